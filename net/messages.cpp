@@ -168,6 +168,10 @@ void processFields(Wire& wire, Process& process) {
   wire.number(process.marchMs);
   wire.number(process.waitMs);
   wire.number(process.sentBytes);
+  wire.number(process.slotMs);
+  wire.number(process.mostThreads);
+  wire.numbers(process.marching);
+  wire.numbers(process.waiting);
 }
 
 void magic(WireWriter& wire) { wire.numbers(kMagic); }
@@ -424,7 +428,7 @@ std::optional<std::vector<ProcessFields>> readProcesses(ByteView body) {
   std::vector<ProcessFields> processes(count);
   for (ProcessFields& process : processes) processFields(wire, process);
   const auto isTime = [](double ms) { return ms >= 0.0 && ms < std::numeric_limits<double>::infinity(); };
-  if (!std::ranges::all_of(processes, [&](const ProcessFields& one) { return isTime(one.marchMs) && isTime(one.waitMs); })) return std::nullopt;
+  if (!std::ranges::all_of(processes, [&](const ProcessFields& one) { return isTime(one.marchMs) && isTime(one.waitMs) && isTime(one.slotMs) && isTime(one.mostThreads); })) return std::nullopt;
   return ifComplete(wire, std::move(processes));
 }
 

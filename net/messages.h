@@ -17,7 +17,7 @@ namespace warpscope::net {
 /// The first bytes of both sides.
 inline constexpr std::array<uint8_t, 8> kMagic{'w', 'a', 'r', 'p', 's', 'c', 'o', 'p'};
 /// Sides of different versions do not talk to each other.
-inline constexpr uint16_t kProtocolVersion = 3;
+inline constexpr uint16_t kProtocolVersion = 4;
 
 /// What a side can do beyond the least; what both can is used.
 enum Capability : uint32_t {
@@ -49,6 +49,7 @@ inline constexpr size_t kMaxSettingValue = 512;  ///< bytes; lists are long
 inline constexpr size_t kMaxPlanes = 16;        ///< of a frame
 inline constexpr size_t kMaxPlaneName = 32;     ///< bytes, 1 at least
 inline constexpr size_t kMaxProcesses = 1024;   ///< that are told of
+inline constexpr size_t kProcessSlots = 32;     ///< of time, that a process tells of
 
 // --- The handshake: one message each, of fixed size.
 
@@ -216,6 +217,9 @@ struct ProcessFields {
   uint32_t deviceTiles = 0;                  ///< of them, marched by a device
   double marchMs = 0.0, waitMs = 0.0;        ///< of all its threads together
   uint64_t sentBytes = 0;                    ///< to others of them
+  float slotMs = 0.0f;                       ///< length of the slots below, the first of which begins with the frame
+  float mostThreads = 0.0f;                  ///< what 255 stands for in them: so many threads' time
+  std::array<uint8_t, kProcessSlots> marching{}, waiting{};
 
   bool operator==(const ProcessFields&) const = default;
 };
@@ -237,7 +241,7 @@ inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + k
 inline constexpr size_t kMaxFrameHeadBytes = kLeastFrameHeadBytes + kMaxSettingsBytes + kMaxPlanes * (2 + kMaxPlaneName + 1);
 inline constexpr size_t kBeatBytes = 8;
 inline constexpr size_t kBusyBytes = 2;
-inline constexpr size_t kProcessBytes = 6 * 4 + 2 * 4 + 2 * 8 + 8;
+inline constexpr size_t kProcessBytes = 6 * 4 + 2 * 4 + 2 * 8 + 8 + 2 * 4 + 2 * kProcessSlots;
 inline constexpr size_t kMaxProcessesBytes = 2 + kMaxProcesses * kProcessBytes;
 
 // --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message. Settings and planes that no

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <deque>
+#include <numeric>
 #include <thread>
 
 #include "marcher_cases.h"
@@ -306,6 +307,8 @@ TEST(SpreadVolume, RanksSayWhatTheyHaveDone) {
       EXPECT_EQ(one.frame, frame);
       EXPECT_GT(one.tiles, 0u);
       EXPECT_GT(one.marchMs, 0.0);
+      const auto& slots = one.timeline.marchMs;
+      EXPECT_NEAR(std::accumulate(slots.begin(), slots.end(), 0.0), one.marchMs, 1e-3 * one.marchMs) << "when it marched";
       const glm::ivec3 extent = one.block.upper - one.block.lower;
       cells += extent.x * extent.y * extent.z;
     }

@@ -276,5 +276,23 @@ TEST(WireFields, ColoursOfEveryKindComeBackAndDamageIsRefused) {
   EXPECT_THROW(decodeColors(bytes, 37, 11), InputError);
 }
 
+TEST(WireFields, WhenProcessesWorkedComesAcross) {
+  RankWork work;
+  work.tiles = 3;
+  work.timeline.addMarch(0.0, 0.5);
+  work.timeline.addMarch(0.0, 0.25);
+  work.timeline.addWait(0.25, 0.375);
+  const std::vector<net::ProcessFields> fields = toFields(std::vector{work, RankWork{}});
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].slotMs, 0.25f);
+  EXPECT_EQ(fields[0].mostThreads, 2.0f);
+  EXPECT_EQ(fields[0].marching[0], 255);
+  EXPECT_EQ(fields[0].marching[1], 128);
+  EXPECT_EQ(fields[0].waiting[1], 64);
+  EXPECT_EQ(fields[0].waiting[0], 0);
+  EXPECT_EQ(fields[1].mostThreads, 0.0f);
+  EXPECT_EQ(fields[1].marching, (std::array<uint8_t, net::kProcessSlots>{}));
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -267,9 +267,20 @@ Scene sceneFrom(const net::SceneFields& fields) {
 
 std::vector<net::ProcessFields> toFields(std::span<const RankWork> processes) {
   const auto cellsOf = [](const glm::ivec3& cells) { return std::array{static_cast<uint32_t>(cells.x), static_cast<uint32_t>(cells.y), static_cast<uint32_t>(cells.z)}; };
+  static_assert(WorkTimeline::kSlots == net::kProcessSlots);
   std::vector<net::ProcessFields> fields;
-  for (const RankWork& work : processes)
-    fields.push_back({cellsOf(work.block.lower), cellsOf(work.block.upper), work.tiles, work.deviceTiles, work.marchMs, work.waitMs, work.sentBytes});
+  for (const RankWork& work : processes) {
+    const WorkTimeline& timeline = work.timeline;
+    const double most = timeline.mostThreads();
+    const auto shares = [&](const std::array<float, WorkTimeline::kSlots>& slots) {
+      std::array<uint8_t, net::kProcessSlots> codes{};
+      for (size_t i = 0; i < slots.size() && most > 0.0; ++i)
+        codes[i] = static_cast<uint8_t>(std::lround(255.0 * std::min(1.0, static_cast<double>(slots[i]) / (timeline.slotMs * most))));
+      return codes;
+    };
+    fields.push_back({cellsOf(work.block.lower), cellsOf(work.block.upper), work.tiles, work.deviceTiles, work.marchMs, work.waitMs, work.sentBytes,
+                      static_cast<float>(timeline.slotMs), static_cast<float>(most), shares(timeline.marchMs), shares(timeline.waitMs)});
+  }
   return fields;
 }
 

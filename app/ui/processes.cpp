@@ -1,4 +1,4 @@
-// What each process did that the server's volume is spread over: a bar a process, as long as its threads were at it.
+// What each process did that the server's volume is spread over, and when: a timeline a process, from when the frame began.
 // See parts.h.
 #include <algorithm>
 #include <string>
@@ -25,28 +25,43 @@ void drawKey(size_t number, const net::ProcessFields& process, const Look& look)
   ImGui::PopStyleVar();
 }
 
-/// As long as the threads' time is to `mostMs`.
-void drawBar(const net::ProcessFields& process, double mostMs, const ImVec2& at, const ImVec2& size) {
+/// When the last of its threads was at it, since the frame began.
+double endMs(const net::ProcessFields& process) {
+  size_t slots = net::kProcessSlots;
+  while (slots > 0 && process.marching[slots - 1] == 0 && process.waiting[slots - 1] == 0) --slots;
+  return static_cast<double>(process.slotMs) * static_cast<double>(slots);
+}
+
+/// Over `lengthMs`: as high as threads marched, and above that as they waited, of `mostThreads`.
+void drawTimeline(const net::ProcessFields& process, double lengthMs, double mostThreads, const ImVec2& at, const ImVec2& size) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const auto widthOf = [&](double ms) { return mostMs > 0.0 ? size.x * static_cast<float>(ms / mostMs) : 0.0f; };
-  const float marched = widthOf(process.marchMs), waited = widthOf(process.waitMs);
   list->AddRectFilled(at, {at.x + size.x, at.y + size.y}, ImGui::GetColorU32(ImGuiCol_FrameBg));
-  list->AddRectFilled(at, {at.x + marched, at.y + size.y}, ImGui::GetColorU32(kMarching));
-  list->AddRectFilled({at.x + marched, at.y}, {at.x + marched + waited, at.y + size.y}, ImGui::GetColorU32(kWaiting));
+  if (!(lengthMs > 0.0 && mostThreads > 0.0)) return;
+  const float pitch = size.x * static_cast<float>(static_cast<double>(process.slotMs) / lengthMs);
+  const auto heightOf = [&](uint8_t slot) { return size.y * static_cast<float>(static_cast<double>(process.mostThreads) * slot / (255.0 * mostThreads)); };
+  const float bottom = at.y + size.y;
+  for (size_t i = 0; i < net::kProcessSlots; ++i) {
+    const float left = at.x + pitch * static_cast<float>(i), right = std::min(left + pitch, at.x + size.x);
+    if (left >= right) break;
+    const float marched = bottom - heightOf(process.marching[i]), waited = std::max(at.y, marched - heightOf(process.waiting[i]));
+    if (process.marching[i] > 0) list->AddRectFilled({left, marched}, {right, bottom}, ImGui::GetColorU32(kMarching));
+    if (process.waiting[i] > 0) list->AddRectFilled({left, waited}, {right, marched}, ImGui::GetColorU32(kWaiting));
+  }
 }
 
 }  // namespace
 
 void drawProcesses(std::span<const net::ProcessFields> processes, const Look& look) {
   if (processes.empty()) return;
-  double mostMs = 0.0;
+  double lengthMs = 0.0, mostThreads = 0.0;
   uint64_t sentBytes = 0;
   for (const net::ProcessFields& process : processes) {
-    mostMs = std::max(mostMs, process.marchMs + process.waitMs);
+    lengthMs = std::max(lengthMs, endMs(process));
+    mostThreads = std::max(mostThreads, static_cast<double>(process.mostThreads));
     sentBytes += process.sentBytes;
   }
   ImGui::PushFont(look.fonts.small);
-  ImGui::TextColored(palette().dimText, "%zu processes, %s between them a frame", processes.size(), bytesText(static_cast<size_t>(sentBytes)).c_str());
+  ImGui::TextColored(palette().dimText, "%zu processes, %s a frame in %s", processes.size(), bytesText(static_cast<size_t>(sentBytes)).c_str(), durationText(lengthMs).c_str());
   const bool areNamed = processes.size() <= kMostNamed;
   const float line = ImGui::GetTextLineHeight(), height = areNamed ? line : look.px(4.0f), numbers = areNamed ? ImGui::CalcTextSize("00").x + look.px(4.0f) : 0.0f;
   for (size_t i = 0; i < std::min(processes.size(), kMostDrawn); ++i) {
@@ -57,7 +72,7 @@ void drawProcesses(std::span<const net::ProcessFields> processes, const Look& lo
     ImGui::InvisibleButton("process", {width, height});
     ImGui::PopID();
     if (areNamed) ImGui::GetWindowDrawList()->AddText(at, ImGui::GetColorU32(palette().dimText), std::to_string(i).c_str());
-    drawBar(process, mostMs, {at.x + numbers, at.y + (areNamed ? 0.15f * line : 0.0f)}, {width - numbers, areNamed ? 0.7f * line : height - look.px(1.0f)});
+    drawTimeline(process, lengthMs, mostThreads, {at.x + numbers, at.y + (areNamed ? 0.15f * line : 0.0f)}, {width - numbers, areNamed ? 0.7f * line : height - look.px(1.0f)});
     if (ImGui::IsItemHovered()) drawKey(i, process, look);
   }
   if (processes.size() > kMostDrawn) ImGui::TextColored(palette().dimText, "and %zu more", processes.size() - kMostDrawn);

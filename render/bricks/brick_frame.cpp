@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "render/base/stopwatch.h"
 #include "render/bricks/packed_words.h"
 #include "render/bricks/rank_bytes.h"
 
@@ -151,10 +150,11 @@ void BrickFrame::close() noexcept {
 std::unique_ptr<RelayedTile> BrickFrame::take() {
   const auto from = std::chrono::steady_clock::now();
   std::unique_ptr<RelayedTile> tile = nextTile(true);
-  const double waitMs = millisecondsSince(from);
+  const double fromMs = msSinceBegin(from), toMs = msSinceBegin(std::chrono::steady_clock::now());
   {
     const std::scoped_lock lock(mutex_);
-    work_.waitMs += waitMs;
+    work_.waitMs += toMs - fromMs;
+    work_.timeline.addWait(fromMs, toMs);
   }
   return begun(std::move(tile));
 }
@@ -197,8 +197,10 @@ std::unique_ptr<RelayedTile> BrickFrame::nextTile(bool waits) {
 
 void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
   {
+    const double fromMs = msSinceBegin(tile->taken), toMs = msSinceBegin(std::chrono::steady_clock::now());
     const std::scoped_lock lock(mutex_);
-    work_.marchMs += millisecondsSince(tile->taken);
+    work_.marchMs += toMs - fromMs;
+    work_.timeline.addMarch(fromMs, toMs);
     work_.deviceTiles += tile->isByDevice ? 1 : 0;
   }
   bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);

@@ -1,6 +1,7 @@
 // One rank's part of a picture: tiles that have come to it, and what is to be sent of those that have been marched.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -9,6 +10,7 @@
 
 #include "render/base/ranks.h"
 #include "render/bricks/frame_order.h"
+#include "render/bricks/work_timeline.h"
 #include "render/march/ray_relay.h"
 
 namespace warpscope {
@@ -50,6 +52,7 @@ struct RankWork {
   double marchMs = 0.0;        ///< of all its threads together
   double waitMs = 0.0;         ///< likewise: for tiles
   uint64_t sentBytes = 0;      ///< to other ranks
+  WorkTimeline timeline;       ///< when it marched and waited
 };
 
 class BrickFrame final : public RayRelay {
@@ -90,8 +93,10 @@ class BrickFrame final : public RayRelay {
   void put(Outgoing outgoing);
   /// Null if there will be no more or, unless `waits`, none is there.
   std::unique_ptr<RelayedTile> nextTile(bool waits);
+  double msSinceBegin(std::chrono::steady_clock::time_point time) const { return std::chrono::duration<double, std::milli>(time - begin_).count(); }
   std::unique_ptr<RelayedTile> begun(std::unique_ptr<RelayedTile> tile);
 
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   const FrameOrder order_;
   const int rank_;
   const std::function<void()> onOutgoing_;

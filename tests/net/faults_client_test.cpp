@@ -271,7 +271,7 @@ TEST_F(FaultsClient, IsToldOfProcesses) {
   socket.send(processesMessage(processes) + processesMessage({}) + wholeFrame(1, 10));
   ASSERT_TRUE(witness_.frameOf(1));
   EXPECT_EQ(witness_.look([&] { return witness_.processes; }), (std::vector<std::vector<ProcessFields>>{processes, {}}));
-  EXPECT_THAT(sentenceAfter(headOf(MessageType::processes, kMaxProcessesBytes + 1)), HasSubstr("where 57346 are the most"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::processes, kMaxProcessesBytes + 1)), HasSubstr("where 131074 are the most"));
   EXPECT_THAT(sentenceAfter(headOf(MessageType::processes, 3) + Bytes(3)), HasSubstr("sent a damaged message"));
 }
 

@@ -37,7 +37,7 @@ FrameHead someFrameHead() {
   return {7, Wanted::samples, someCamera(), someSettings(), {1, 2, 80}, {-1, -2, -3, 1, 2, 3}, 0.75f, 3.0f, 0.25f, 2.0f, 1000, {1, 2, 3, 4, 5, 6}, 99,
           {{"layer", 0}, {"extent", 2}}};
 }
-ProcessFields someProcess() { return {{1, 2, 3}, {4, 5, 6}, 7, 8, 9.0, 10.0, 11}; }
+ProcessFields someProcess() { return {{1, 2, 3}, {4, 5, 6}, 7, 8, 9.0, 10.0, 11, 0.5f, 2.0f, {12, 255}, {13}}; }
 SceneFields someScene() {
   SceneFields scene;
   scene.name = "fish";
@@ -80,9 +80,9 @@ Bytes bodyOf(const Bytes& message) { return {message.begin() + kMessageHeadBytes
 
 TEST(Messages, TheLayoutIsPinned) {
   EXPECT_EQ(hexOf(toBytes(someClientHello())),
-      "7761727073636f700300050000007856341200000000030001a0a1a2a3a4a5a6a7a8a9aaabacadaeafb0b1b2b3b4b5b6b7");
+      "7761727073636f700400050000007856341200000000030001a0a1a2a3a4a5a6a7a8a9aaabacadaeafb0b1b2b3b4b5b6b7");
   EXPECT_EQ(hexOf(toBytes(someServerHello())),
-      "7761727073636f700300020500000088776655443322110400d007000010270000");
+      "7761727073636f700400020500000088776655443322110400d007000010270000");
   EXPECT_EQ(hexOf(sceneMessage(someScene())),
       "01000000470100000400666973680600412066697368040000000500000006000000000000000000f03f000000000000e03f000000000000"
       "d03f000000000000f0bf00000000000000c000000000000008c0000000000000f03f00000000000000000000000000000000000000000000"
@@ -106,7 +106,8 @@ TEST(Messages, TheLayoutIsPinned) {
   EXPECT_EQ(hexOf(beatMessage(MessageType::pong, 1)), "06000000080000000100000000000000");
   EXPECT_EQ(hexOf(busyMessage(0x0201)), "07000000020000000102");
   EXPECT_EQ(hexOf(processesMessage(std::vector{someProcess()})),
-      "080000003a0000000100010000000200000003000000040000000500000006000000070000000800000000000000000022400000000000002440" "0b00000000000000");
+      "08000000820000000100010000000200000003000000040000000500000006000000070000000800000000000000000022400000000000002440" "0b00000000000000"
+      "0000003f000000400cff0000000000000000000000000000000000000000000000000000000000000d00000000000000000000000000000000000000000000000000000000000000");
 }
 
 TEST(Messages, TheSizesAreAsDeclared) {
@@ -197,6 +198,9 @@ TEST(Messages, RoundTripsGiveTheSame) {
   for (const double ms : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     ProcessFields process = someProcess();
     process.waitMs = ms;
+    EXPECT_FALSE(readProcesses(bodyOf(processesMessage(std::vector{process})))) << ms;
+    process = someProcess();
+    process.slotMs = static_cast<float>(ms);
     EXPECT_FALSE(readProcesses(bodyOf(processesMessage(std::vector{process})))) << ms;
   }
 }
