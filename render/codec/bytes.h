@@ -10,8 +10,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "render/core/host_device.h"
-
 namespace warpscope {
 
 template <class T>
@@ -112,14 +110,6 @@ class WordHash {
 
   uint64_t lanes_[4];
 };
-
-/// What a word at a place adds to a hash that is a sum: words may be taken in any order, on many threads.
-WARPSCOPE_HD inline uint64_t placedHash(uint64_t word, uint64_t index) {
-  uint64_t mixed = word ^ (index + 1) * 0x9e3779b97f4a7c15u;
-  mixed = (mixed ^ mixed >> 32) * 0xd6e8feb86659fd93u;
-  mixed = (mixed ^ mixed >> 29) * 0x9e3779b97f4a7c15u;
-  return mixed ^ mixed >> 32;
-}
 
 inline uint64_t hashBytes(std::span<const std::byte> bytes, uint64_t seed) {
   WordHash hash(seed ^ bytes.size() << 8);

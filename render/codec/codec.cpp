@@ -18,6 +18,7 @@
 #include "render/core/freed_memory.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
+#include "render/core/placed_hash.h"
 
 namespace warpscope {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "render/codec/bytes.h"
 #include "render/core/parallel.h"
+#include "render/core/placed_hash.h"
 
 namespace warpscope {
 

@@ -21,6 +21,7 @@
 
 #include "render/base/error.h"
 #include "render/base/memory.h"
+#include "render/volume/file_stamp.h"
 #include "render/volume/payload.h"
 #include "render/volume/sparse_voxels.h"
 #include "render/volume/stored_rows.h"
@@ -281,7 +282,7 @@ VolumePtr shareItkVolume(const std::filesystem::path& path, const std::stop_toke
   const bool isBigEndian = payload.isBigEndian.value_or(header.io->GetByteOrder() == itk::IOByteOrderEnum::BigEndian);
   const bool isSwapped = sizeBytes(header.type) > 1 && isBigEndian != (std::endian::native == std::endian::big);
   return makeSparseVolume(path.filename().string(), header.type, header.geometry, storedRows(payload.file, payload.offsetBytes, header.geometry.dims, sizeBytes(header.type), isSwapped), stop,
-                          std::move(ranks));
+                          std::move(ranks), stampOf(payload.file));
 }
 
 /// The reason that an exception gives, and what was said besides.

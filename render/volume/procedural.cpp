@@ -65,7 +65,7 @@ VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, ui
     const auto fillRows = [fill, dims, seed](const VoxelRows& rows, std::byte* voxels, const std::stop_token& filling) {
       fill(reinterpret_cast<uint8_t*>(voxels), {dims, rows, seed}, filling);
     };
-    return makeSparseVolume(source, VoxelType::uint8, geometry, fillRows, stop, std::move(ranks));
+    return makeSparseVolume(source, VoxelType::uint8, geometry, fillRows, stop, std::move(ranks), "built in");
   }
   requireMemory(count, source + ": " + std::to_string(dims.x) + "x" + std::to_string(dims.y) + "x" + std::to_string(dims.z) + " voxels: it");
   std::shared_ptr<uint8_t[]> voxels;

@@ -14,6 +14,7 @@
 #include "render/base/error.h"
 #include "render/base/mapped_files.h"
 #include "render/base/memory_limit.h"
+#include "render/volume/file_stamp.h"
 
 namespace warpscope {
 namespace {
@@ -55,15 +56,18 @@ class MappedFile final : public VoxelSource {
   /// `isShared`: with other processes, whose pieces of rays are marched as they come.
   MappedFile(std::shared_ptr<const Region> region, const std::string& name, uint32_t slices, bool isShared)
       : region_(std::move(region)),
+        stamp_(stampOf(name)),
         note_(region_->get_address(), region_->get_size(), name),
         droppable_(region_->get_address(), [this] { dropPages(*region_); }, bytesAtOnce(region_->get_size(), slices, isShared)) {}
 
   void provide(const VoxelRows& /*rows*/, const std::stop_token& /*stop*/) override {}
   /// What is dropped of a mapping of a file is read again.
   void release() override { dropPages(*region_); }
+  std::string stamp() const override { return stamp_; }
 
  private:
   const std::shared_ptr<const Region> region_;
+  const std::string stamp_;
   const MappedFileNote note_;
   const Droppable droppable_;
 

@@ -12,8 +12,8 @@
 
 namespace warpscope {
 
-SparseVoxels::SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill)
-    : dims_(geometry.dims), sizeBytes_(size_t{dims_.x} * dims_.y * dims_.z * warpscope::sizeBytes(type)), fill_(std::move(fill)), present_(dims_.z) {
+SparseVoxels::SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp)
+    : dims_(geometry.dims), sizeBytes_(size_t{dims_.x} * dims_.y * dims_.z * warpscope::sizeBytes(type)), fill_(std::move(fill)), stamp_(std::move(stamp)), present_(dims_.z) {
   void* const memory = mmap(nullptr, sizeBytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) throw InputError("no addresses for " + std::to_string(sizeBytes_) + " bytes of voxels: " + std::strerror(errno));
   memory_ = static_cast<std::byte*>(memory);
@@ -55,8 +55,9 @@ void SparseVoxels::release() {
   std::ranges::fill(present_, std::pair<uint32_t, uint32_t>{});
 }
 
-VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks) {
-  const auto source = std::make_shared<SparseVoxels>(geometry, type, std::move(fill));
+VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks,
+                           std::string stamp) {
+  const auto source = std::make_shared<SparseVoxels>(geometry, type, std::move(fill), std::move(stamp));
   return std::make_shared<Volume>(std::move(name), type, geometry, source, source->voxels(), stop, std::move(ranks), source);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,8 @@ class SparseVoxels final : public VoxelSource {
   /// Writes the voxels of some rows into their places; `voxels` is where the volume's first one is.
   using Fill = std::function<void(const VoxelRows& rows, std::byte* voxels, const std::stop_token& stop)>;
 
-  /// Reserves addresses for the volume. Throws InputError where there are none.
-  SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill);
+  /// Reserves addresses for the volume. `stamp`: as VoxelSource's. Throws InputError where there are none.
+  SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp = "");
   ~SparseVoxels() override;
   SparseVoxels(const SparseVoxels&) = delete;
   SparseVoxels& operator=(const SparseVoxels&) = delete;
@@ -26,16 +27,19 @@ class SparseVoxels final : public VoxelSource {
 
   void provide(const VoxelRows& rows, const std::stop_token& stop) override;
   void release() override;
+  std::string stamp() const override { return stamp_; }
 
  private:
   const glm::uvec3 dims_;
   const size_t sizeBytes_;
   const Fill fill_;
+  const std::string stamp_;
   std::byte* memory_ = nullptr;
   std::vector<std::pair<uint32_t, uint32_t>> present_;  // of each slice, rows [first, second) that are there
 };
 
-/// A volume of which voxels are made so; arguments as Volume's. Throws as it does.
-VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks);
+/// A volume of which voxels are made so; arguments as Volume's and SparseVoxels'. Throws as it does.
+VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks,
+                           std::string stamp = "");
 
 }  // namespace warpscope

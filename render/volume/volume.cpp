@@ -4,7 +4,11 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -13,6 +17,7 @@
 #include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
+#include "render/core/placed_hash.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
@@ -199,12 +204,45 @@ VoxelRows rowsFrom(size_t begin, size_t end, const glm::uvec3& dims) {
   return {{static_cast<uint32_t>(begin % dims.y), first}, {static_cast<uint32_t>(end - size_t{first} * dims.y), last}};
 }
 
-/// What ranks have is the same as far as one can see without reading all of it: size, type, place, and voxels here and there.
-void requireSameEverywhere(const Volume& volume) {
+/// Of all voxels; reads them in pieces.
+uint64_t hashOfAll(const Volume& volume, const std::stop_token& stop) {
+  constexpr size_t kPieceBytes = 32 << 20, kWord = sizeof(uint64_t);
+  const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
+  const size_t rowBytes = volume.dims().x * sizeBytes(volume.type());
+  beginLooking(volume.sizeBytes());
+  std::atomic<uint64_t> sum = 0;
+  for (size_t begin = 0; begin < volume.sizeBytes(); begin += kPieceBytes) {
+    const size_t end = std::min(begin + kPieceBytes, volume.sizeBytes());
+    volume.provide(rowsFrom(begin / rowBytes, (end + rowBytes - 1) / rowBytes, volume.dims()), stop);
+    parallelForRanges((end - begin + kWord - 1) / kWord, kGrain, stop, [&](size_t first, size_t last) {
+      keepWithinMemoryLimit();
+      uint64_t own = 0;
+      for (size_t i = first; i < last; ++i) {
+        uint64_t word = 0;
+        const size_t at = begin + i * kWord;
+        std::memcpy(&word, bytes + at, std::min(kWord, end - at));
+        own += placedHash(word, at / kWord);
+      }
+      sum += own;
+    });
+    volume.releaseVoxels();
+    noteLooked(end - begin);
+  }
+  return sum;
+}
+
+/// What ranks have is the same: size, type, place; voxels here and there, where they come from one file, or copies of one date; else all of them.
+void requireSameEverywhere(const Volume& volume, const std::string& stamp, const std::stop_token& stop) {
   const VolumeGeometry& geometry = volume.geometry();
   std::vector<double> numbers{static_cast<double>(volume.type()), geometry.spacing.x, geometry.spacing.y, geometry.spacing.z};
   for (int axis = 0; axis < 3; ++axis) numbers.push_back(geometry.dims[axis]);
   volume.ranks()->requireSame(std::as_bytes(std::span<const double>(numbers)), volume.name() + ": size, type and spacing of voxels");
+  const std::string what = volume.name() + ": voxels";
+  const std::vector<std::vector<std::byte>> stamps = volume.ranks()->allGather(std::as_bytes(std::span<const char>(stamp)));
+  if (stamps.front().empty() || std::ranges::adjacent_find(stamps, std::ranges::not_equal_to()) != stamps.end()) {
+    const uint64_t hash = hashOfAll(volume, stop);
+    return volume.ranks()->requireSame(std::as_bytes(std::span(&hash, 1)), what);
+  }
   constexpr size_t kLooks = 64, kBytes = 512;
   std::vector<std::byte> seen;
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
@@ -215,7 +253,7 @@ void requireSameEverywhere(const Volume& volume) {
     seen.insert(seen.end(), bytes + at, bytes + end);
   }
   volume.releaseVoxels();
-  volume.ranks()->requireSame(seen, volume.name() + ": voxels");
+  volume.ranks()->requireSame(seen, what);
 }
 
 }  // namespace
@@ -231,7 +269,7 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
       source_(std::move(source)) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
-  if (ranks_) requireSameEverywhere(*this);
+  if (ranks_) requireSameEverywhere(*this, source_ ? source_->stamp() : "", stop);
   const std::pair<size_t, size_t> share = shareOf(ranks_, count);
   if (share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
   const size_t passes = type_ == VoxelType::uint8 ? 1 : 2;

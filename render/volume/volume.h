@@ -88,6 +88,8 @@ class VoxelSource {
   virtual void provide(const VoxelRows& rows, const std::stop_token& stop) = 0;
   /// No voxel is needed for now: their memory is let go of. Not while others read voxels.
   virtual void release() = 0;
+  /// Where two processes have the same here, they read the same voxels: a file's size and date. Empty: nothing but the voxels tells.
+  virtual std::string stamp() const { return ""; }
 };
 
 /// Immutable after construction and shared between threads.

@@ -4,6 +4,7 @@
 
 #include "render/codec/tiled/tile_samples.h"
 #include "render/codec/tiled/value_kernels.cuh"
+#include "render/core/placed_hash.h"
 #include "render/march/sample_radius.h"
 
 namespace warpscope {

@@ -4,6 +4,7 @@
 
 #include "render/codec/tiled/tile_segments.h"
 #include "render/codec/tiled/value_kernels.cuh"
+#include "render/core/placed_hash.h"
 #include "render/march/frame_segments.h"
 
 namespace warpscope {
