@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <numeric>
@@ -300,6 +301,9 @@ TEST(SpreadVolume, RanksSayWhatTheyHaveDone) {
   const MarcherPtr marcher = makeRanksMarcher(leader, band(15, 80, 0.08f));
   for (uint64_t frame = 1; frame < 4; ++frame) {
     marcher->march(cameras().front(), {});
+    const auto isOfFrame = [&](const RankWork& one) { return one.frame == frame; };
+    for (int i = 0; i < 2000 && !std::ranges::all_of(knownWork(leader), isOfFrame); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(std::ranges::all_of(knownWork(leader), isOfFrame)) << "it comes although no other frame is marched";
     const std::vector<RankWork> work = lastWork(leader);
     ASSERT_EQ(work.size(), 3u);
     int cells = 0;

@@ -8,6 +8,7 @@
 #include <deque>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "render/base/error.h"
 #include "render/bricks/brick_frame.h"
@@ -61,6 +62,10 @@ class Gate {
     std::unique_lock lock(mutex_);
     if (!free_.wait(lock, stop, [&] { return !isTaken_; })) throw OperationCancelled();
     isTaken_ = true;
+  }
+  bool try_lock() {
+    const std::scoped_lock lock(mutex_);
+    return !std::exchange(isTaken_, true);
   }
   void unlock() {
     const std::scoped_lock lock(mutex_);
@@ -154,8 +159,7 @@ class BrickLeader {
     const Volume& volume = *work_.volume();
     const MarchedVolume& marched = *work_.function(order.function);
     order.frame = ++frame_;
-    while (std::optional<RankMessage> message = work_.ranks().receive(0us))  // what came behind the last frame
-      if (message->kind == kWorkMessage) takeWork(*message);
+    takeWorkThatCame();
     const BrickTree& tree = treeFor(marched, order.render);
     order.blocks = tree.blocks();
     const glm::vec3 edges = volume.geometry().voxelEdges();
@@ -221,6 +225,7 @@ class BrickLeader {
 
   /// Of each rank, for the last frame that it said it of. Waits for nobody.
   std::vector<RankWork> knownWork() {
+    if (const std::unique_lock lock(mutex_, std::try_to_lock); lock) takeWorkThatCame();
     const std::scoped_lock lock(doneMutex_);
     return done_;
   }
@@ -280,6 +285,11 @@ class BrickLeader {
     for (size_t other = 1; other < heard_.size(); ++other)
       if (now - heard_[other] > patience_) return static_cast<int>(other);
     return 0;
+  }
+  /// Behind the last frame; nothing else that comes there is of use.
+  void takeWorkThatCame() {
+    while (std::optional<RankMessage> message = work_.ranks().receive(0us))
+      if (message->kind == kWorkMessage) takeWork(*message);
   }
   void takeWork(const RankMessage& message) { note(message.from, RankReader(message.bytes).get<RankWork>()); }
   void note(int rank, const RankWork& work) {
