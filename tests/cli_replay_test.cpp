@@ -76,7 +76,7 @@ TEST_F(Replay, WhatIsWrongIsRefused) {
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--range", "1"}, kUsage, {"choose one with --show"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "flip"}, kFailure, {"does not say of which scene it is"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "segments"}, kFailure, {"Segments: hold draws none"});
-  succeed({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "opacity", "--range", "0.5", "--fps", "1", "--size", "24x16"});
+  succeed({"replay", "a.warpscope", "--out", "shown", "--techniques", "hold", "--show", "opacity", "--range", "0.5", "--fps", "1", "--size", "24x16"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--errors"}, kFailure, {"does not say of which scene it is"});
   record("without.warpscope", 0);

@@ -377,8 +377,9 @@ TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
   EXPECT_GT(alone.peakKiB, 700 * 1024) << "or all of this would fit anyway";
   within("c.png", {"--mode", "isosurface", "--isovalues", "9000"});
   within("d.png", {"--shading", "1", "--shadows", "1", "--light-grid", "64"});
-  expectRefused(shot("e.png", "64"), kFailure, {name, "the limit of 64 MiB of memory cannot be kept to: what is read of it at once takes "});
-  expectRefused(shot("e.png", "63"), kUsage, {"--memory must be between 64 and"});
+  expectRefused({"shot", name, "--size", "256x256", "--ray", "128,128", "--memory", std::to_string(limit)}, kFailure, {name, "a ray is looked at as a whole", "--memory is to be at least 3200"});
+  expectRefused(shot("e.png", "128"), kFailure, {name, "the limit of 128 MiB of memory cannot be kept to: what is read of it at once takes "});
+  expectRefused(shot("e.png", "127"), kUsage, {"--memory must be between 128 and"});
   expectRefused({"shot", name, "--device-memory", "0", "-o", "e.png"}, kUsage, {"--device-memory must be between 64 and"});
   expectRefused({"shot", "marschner-lobb", "--volume-size", "900x900x900", "--memory", "300", "-o", "e.png"}, kFailure, {"needs 695.2 MiB of memory, and of the 300 MiB that it may have"});
 }

@@ -30,7 +30,8 @@
 namespace warpscope {
 namespace {
 
-constexpr Range kMemoryMiBRange{64.0, 1e7};  // of either
+constexpr Range kMemoryMiBRange{128.0, 1e7};  // the program itself takes some 75, and a small picture 25
+constexpr Range kDeviceMemoryMiBRange{64.0, 1e7};
 
 template <class Value>
 struct Choice {
@@ -96,7 +97,7 @@ void addVolumeOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of a raw volume it keeps what it is at, and reads the rest again; others have to fit");
-  command.add_option("--device-memory", options.deviceMemoryMiB, "MiB of a GPU's memory that the volume takes at most, " + rangeText(kMemoryMiBRange) + ": of a larger one slabs go to the GPU one after the other; by itself what is free");
+  command.add_option("--device-memory", options.deviceMemoryMiB, "MiB of a GPU's memory that the volume takes at most, " + rangeText(kDeviceMemoryMiBRange) + ": of a larger one slabs go to the GPU one after the other; by itself what is free");
   command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");
 }
@@ -205,7 +206,7 @@ CheckedOptions check(const CommonOptions& options) {
     setMemoryLimit(static_cast<uint64_t>(*options.memoryMiB * (1 << 20)));
   }
   if (options.deviceMemoryMiB) {
-    requireRange(*options.deviceMemoryMiB, kMemoryMiBRange, "--device-memory");
+    requireRange(*options.deviceMemoryMiB, kDeviceMemoryMiBRange, "--device-memory");
     setDeviceMemoryLimit(static_cast<uint64_t>(*options.deviceMemoryMiB * (1 << 20)));
   }
   if (!options.volumeSize.empty()) {

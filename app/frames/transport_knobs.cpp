@@ -72,7 +72,7 @@ constinit const Knob kDepthKnob{
 constinit const Knob kFrameKibKnob{
     .key = "frameKib",
     .option = "--frame-kib",
-    .label = "Bytes a frame",
+    .label = "Frame limit",
     .noun = "KiB of a frame",
     .help = "KiB that a frame may take while the camera moves, such as what the link carries in a second by the frames wanted: its image has fewer pixels then, and grows to all at rest; "
             "without a window it stays; 0: whatever it takes",

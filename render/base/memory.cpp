@@ -154,8 +154,14 @@ bool isDroppable(const void* memory) {
   return std::ranges::any_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory; });
 }
 
+namespace {
+constexpr uint64_t kIsRoomForAll = 4;
+}  // namespace
+
+uint64_t limitForAll(uint64_t bytes) { return kIsRoomForAll * bytes; }
+
 uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices) {
-  constexpr uint64_t kOfLimit = 8, kIsRoomForAll = 4;
+  constexpr uint64_t kOfLimit = 8;
   constexpr uint32_t kLeast = 8;  // a cell's two, and what gradients and long steps look at beside them
   const uint64_t limit = limitBytes;
   if (limit == 0 || sliceBytes * slices <= limit / kIsRoomForAll) return slices;

@@ -49,6 +49,9 @@ bool isDroppable(const void* memory);
 /// Of a droppable volume's slices, to how many whoever looks at all of them keeps at a time, so that the limit can be kept to: all where there is no limit, or room for them.
 uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices);
 
+/// The least limit under which that is all of them.
+uint64_t limitForAll(uint64_t bytes);
+
 /// Lets go of what can be dropped if the process has come near its limit. For those who read mapped files, now and then: a fault maps up to 2 MiB, so that who looks here and
 /// there brings in gigabytes within milliseconds, and a thread that watched would come too late. A microsecond where there is a limit, nothing where there is none.
 void keepWithinMemoryLimit();

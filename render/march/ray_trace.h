@@ -42,8 +42,8 @@ class RayTracer {
   virtual ~RayTracer() = default;
 
   /// The ray through the centre of pixel (x, y) of the camera's picture, (0, 0) being in the upper left corner, as march() with these settings marches it.
-  /// Throws UsageError for settings out of range or a pixel outside of the picture, InputError for a camera that isUsable() refuses, OperationCancelled if
-  /// `stop` is set.
+  /// Throws UsageError for settings out of range or a pixel outside of the picture, InputError for a camera that isUsable() refuses and a volume that is not kept in
+  /// memory as a whole, OperationCancelled if `stop` is set.
   virtual RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop = {}) = 0;
 };
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "render/base/memory_limit.h"
 #include "render/march/marcher_cpu.h"
 #include "render/march/piecewise_marcher.h"
+#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 namespace {
@@ -242,10 +242,8 @@ MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, 
 }
 
 MarcherPtr makeFittingCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  const uint32_t slices = volume->dims().z;
+  const uint32_t slices = volume->dims().z, atATime = slicesKept(*volume);
   const uint64_t bytes = volume->sizeBytes();
-  // Who shares it with others marches a piece of it as it is.
-  const uint32_t atATime = isDroppable(volume->voxels()) && !volume->ranks() ? slicesAtATime(bytes / slices, slices) : slices;
   auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
   if (atATime == slices) return makeCpuMarcherOf(std::move(marched), nullptr);
   return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = bytes / slices * atATime, .isForAll = true});
