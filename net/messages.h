@@ -217,7 +217,7 @@ struct ProcessFields {
   uint32_t deviceTiles = 0;                  ///< of them, marched by a device
   double marchMs = 0.0, waitMs = 0.0;        ///< of all its threads together
   uint64_t sentBytes = 0;                    ///< to others of them
-  float slotMs = 0.0f;                       ///< length of the slots below, the first of which begins with the frame
+  float slotMs = 0.0f;                       ///< length of the slots below, the first of which begins when the frame reaches it
   float mostThreads = 0.0f;                  ///< what 255 stands for in them: so many threads' time
   std::array<uint8_t, kProcessSlots> marching{}, waiting{};
 

@@ -14,11 +14,11 @@ namespace {
 class Replay : public CommandLine {
  protected:
   /// A second: one frame, the camera turning.
-  void record(const std::string& name, int segments = 4) {
+  void record(const std::string& name, int segments = 4, const std::string& text = "") {
     SceneOverrides overrides;
     overrides.proceduralDims = {16, 16, 16};
     const Scene scene = openScene("shells", overrides);
-    RecordingWriter writer(folder_.file(name), scene, "");
+    RecordingWriter writer(folder_.file(name), scene, text);
     const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
     for (int i = 0; i <= 10; ++i) {
       View view = scene.views.front();
@@ -61,6 +61,26 @@ TEST_F(Replay, WithoutTheProgramForFilmsPicturesAreThereAllTheSame) {
   EXPECT_EQ(result.code, kFailure);
   EXPECT_THAT(result.err, testing::HasSubstr("needs the program ffmpeg, which is not installed. The numbered pictures are in one"));
   EXPECT_TRUE(std::filesystem::exists(folder_.file("one/000003.png")));
+}
+
+TEST_F(Replay, WhatPanelsShowedIsShownWhereThatCanBe) {
+  const auto sessionOf = [](const std::string& scene, const std::string& content) {
+    return R"({"warpscopeSession": 1, "origin": {"scene": ")" + scene + R"(", "volumeSize": [16, 16, 16], "seed": 1}, "view": {}, "march": {}, "panels": [{"technique": "hold", "content": ")" + content + "\"}]}";
+  };
+  record("flip.warpscope", 4, sessionOf("shells", "flip"));
+  record("gone.warpscope", 4, sessionOf("gone.json", "flip"));
+  record("unknown.warpscope", 4, sessionOf("shell", "flip"));
+  record("picture.warpscope", 4, sessionOf("shells", "picture"));
+  const auto replayed = [&](const std::string& name) { return Arguments{"replay", name + ".warpscope", "--out", name, "--size", "24x24", "--fps", "1", "--no-labels"}; };
+  succeed(replayed("flip"));
+  succeed(replayed("picture"));
+  EXPECT_NE(picture("flip/000002.png"), picture("picture/000002.png"));
+  for (const std::string name : {"gone", "unknown"}) {
+    const ProgramResult result = run(replayed(name));
+    EXPECT_EQ(result.code, kSuccess);
+    EXPECT_THAT(result.err, testing::HasSubstr("warning: pictures in place of what was on show: "));
+    EXPECT_EQ(picture(name + "/000002.png"), picture("picture/000002.png"));
+  }
 }
 
 TEST_F(Replay, WhatIsWrongIsRefused) {

@@ -377,7 +377,7 @@ TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
   EXPECT_GT(alone.peakKiB, 700 * 1024) << "or all of this would fit anyway";
   within("c.png", {"--mode", "isosurface", "--isovalues", "9000"});
   within("d.png", {"--shading", "1", "--shadows", "1", "--light-grid", "64"});
-  expectRefused({"shot", name, "--size", "256x256", "--ray", "128,128", "--memory", std::to_string(limit)}, kFailure, {name, "a ray is looked at as a whole", "--memory is to be at least 3200"});
+  expectRefused({"shot", name, "--size", "256x256", "--ray", "128,128", "--memory", std::to_string(limit)}, kFailure, {name, "a ray is looked at as a whole", "--memory is to be at least 3200 "});
   expectRefused(shot("e.png", "128"), kFailure, {name, "the limit of 128 MiB of memory cannot be kept to: what is read of it at once takes "});
   expectRefused(shot("e.png", "127"), kUsage, {"--memory must be between 128 and"});
   expectRefused({"shot", name, "--device-memory", "0", "-o", "e.png"}, kUsage, {"--device-memory must be between 64 and"});

@@ -238,7 +238,9 @@ TEST_F(RecordingTest, AReplayShowsTheContentsThatAreAskedFor) {
   const Image<Rgba8> same = last({{reference, PictureContent::difference}});
   EXPECT_EQ(std::count(same.begin(), same.end(), differenceColor(0.0f)), 64 * 64);
   settings.hasLabels = true;
-  EXPECT_NE(last({{spheres, PictureContent::flip, 1.0f}}), last({{spheres, PictureContent::flip, 0.1f}}));
+  settings.width = 320;  // for all of the label
+  const Image<Rgba8> wideWithLabel = last({{spheres, PictureContent::flip, 1.0f}}), narrowWithLabel = last({{spheres, PictureContent::flip, 0.1f}});
+  EXPECT_FALSE(std::equal(wideWithLabel.row(64), wideWithLabel.row(64) + 24 * 320, narrowWithLabel.row(64))) << "the label's numbers";
 
   EXPECT_TRUE(needsMarcher(std::vector<ReplayColumn>{{spheres, PictureContent::flip}}, false));
   EXPECT_FALSE(needsMarcher(std::vector<ReplayColumn>{{spheres, PictureContent::depth}}, false));

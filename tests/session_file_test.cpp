@@ -167,6 +167,20 @@ TEST_F(SessionFileTest, TheCommandHasWhatOptionsSay) {
   EXPECT_THAT(commandLineOf(session_), testing::EndsWith(" --uncovered ff8000 --filled 00ff00 --budget-ms 12.5 --shortcuts " + textOf(kShortcutsKnob, knobs.takesShortcuts ? 1.0 : 0.0)));
 }
 
+TEST_F(SessionFileTest, TheCommandHasTheOptionsThatTheSceneWasOpenedWith) {
+  LoadJob job = jobOf({"shells", {}});
+  job.open = [open = std::move(job.open)](const std::function<void()>& onNews, const std::stop_token& stop) {
+    ConnectedScene opened = open(onNews, stop);
+    opened.scene.describedMarch = opened.scene.march;
+    opened.scene.march.sample.heuristic = Heuristic::median;
+    return opened;
+  };
+  session_.load(std::move(job));
+  ASSERT_TRUE(settle());
+  useUsualServerSide();
+  EXPECT_EQ(commandLineOf(session_), "warpscope view shells --panels hold,spheres --heuristic median");
+}
+
 TEST_F(SessionFileTest, TheCommandHasTheSessionWhereOptionsDoNotSayAll) {
   ASSERT_TRUE(openOriginal());
   useUsualServerSide();

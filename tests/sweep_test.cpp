@@ -275,6 +275,20 @@ TEST_F(SweepTest, TheReportHoldsWhatItShould) {
   for (const SweepRow& row : report.rows) EXPECT_THAT(html, testing::HasSubstr(labelOf(row.configuration)));
 }
 
+/// Pixels of that colour, sRGB 0xRRGGBB, and the middle of where they are.
+std::pair<size_t, glm::dvec2> pixelsOf(const Image<Rgba8>& picture, uint32_t rgb) {
+  const Rgba8 code = 0xff000000u | (rgb & 255) << 16 | (rgb & 0xff00) | rgb >> 16;
+  size_t count = 0;
+  glm::dvec2 sum(0.0);
+  for (uint32_t y = 0; y < picture.height(); ++y)
+    for (uint32_t x = 0; x < picture.width(); ++x)
+      if (picture(x, y) == code) {
+        ++count;
+        sum += glm::dvec2(x + 0.5, y + 0.5);
+      }
+  return {count, sum / std::max(1.0, static_cast<double>(count))};
+}
+
 TEST(SvgPlot, ShowsPointsWhereTheyAre) {
   Plot plot{{"x", true}, {"y", false}, {{"a<b", 0x123456, {{1.0, 0.0, "one"}, {100.0, 1.0, "two", true}, {10.0, 0.5, "three"}}}}};
   const std::string svg = svgOf(plot);
@@ -313,20 +327,9 @@ TEST(SvgPlot, BearsWhatCannotBeShown) {
   EXPECT_THAT(svgOf({}), testing::HasSubstr("</svg>"));
   const Plot plot{{"x", true}, {"y", true}, {{"a", 0xff0000, {{0.0, -1.0, "none"}, {5.0, 5.0, "one"}, {std::nan(""), INFINITY, "no number"}}}}};
   EXPECT_THAT(svgOf(plot), testing::Not(testing::HasSubstr("nan\"")));
-}
-
-/// Pixels of that colour, sRGB 0xRRGGBB, and the middle of where they are.
-std::pair<size_t, glm::dvec2> pixelsOf(const Image<Rgba8>& picture, uint32_t rgb) {
-  const Rgba8 code = 0xff000000u | (rgb & 255) << 16 | (rgb & 0xff00) | rgb >> 16;
-  size_t count = 0;
-  glm::dvec2 sum(0.0);
-  for (uint32_t y = 0; y < picture.height(); ++y)
-    for (uint32_t x = 0; x < picture.width(); ++x)
-      if (picture(x, y) == code) {
-        ++count;
-        sum += glm::dvec2(x + 0.5, y + 0.5);
-      }
-  return {count, sum / std::max(1.0, static_cast<double>(count))};
+  const Plot line{{"x", false}, {"y", false}, {{"a", 0xff0000, {{1.0, 1.0, ""}, {std::nan(""), 2.0, ""}, {3.0, 3.0, ""}}, true}}};
+  EXPECT_THAT(svgOf(line), testing::Not(testing::HasSubstr("nan,")));
+  EXPECT_GT(pixelsOf(pictureOf(line, 1.0f), 0xff0000).first, 300u) << "from the first point to the third";
 }
 
 TEST(PlotPicture, ShowsWhatTheSvgShows) {

@@ -48,6 +48,9 @@ TEST_F(WindowDemoTest, IsTakenBackAsAWhole) {
   press(Action::undo);
   EXPECT_EQ(window_.view().note(), "taken back: the demo");
   expectAsBefore();
+  window_.frames(2);
+  press(Action::undo);  // there is nothing before it
+  expectAsBefore();
   // What a hand did meanwhile goes first, and by itself.
   ASSERT_TRUE(begin());
   LiveSettings knobs = session_.knobs();
@@ -57,10 +60,44 @@ TEST_F(WindowDemoTest, IsTakenBackAsAWhole) {
   press(Action::undo);
   EXPECT_NE(session_.knobs().march.sample.heuristic, Heuristic::median);
   EXPECT_EQ(session_.motion().motion(), CameraMotion::orbit);
+  window_.frames(2);
+  press(Action::undo);
+  EXPECT_EQ(window_.view().note(), "taken back: the demo");
+  expectAsBefore();
   // Before its frame has come.
   window_.view().start(demos().front(), session_);
   press(Action::undo);
   expectAsBefore();
+}
+
+TEST_F(WindowDemoTest, WhatAHandDoesWhileItWaitsIsNotTakenAway) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.view().start(demos().front(), session_);
+  window_.frame();
+  View view = session_.view();
+  view.angleDeg += 40.0;
+  session_.setView(view);
+  const auto from = std::chrono::steady_clock::now();
+  waitUntil([&] { return std::chrono::steady_clock::now() - from > std::chrono::seconds(4); });
+  EXPECT_EQ(session_.view(), view);
+  EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
+  EXPECT_EQ(session_.knobs().transport.link, net::DuplexLinkSettings{});
+}
+
+TEST_F(WindowDemoTest, InAnotherSceneThereIsNothingOfItToTakeBack) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.view().start(demos().front(), session_);
+  ASSERT_TRUE(waitUntil([&] { return session_.motion().motion() != CameraMotion::none; }));
+  session_.load(jobOf({"shells", {}}));
+  ASSERT_TRUE(waitUntil([&] { return session_.loading().empty() && session_.scene()->name == "shells"; }));
+  session_.setMotion(CameraMotion::none);
+  View view = session_.view();
+  view.angleDeg += 40.0;
+  session_.setView(view);
+  window_.frames(2);
+  press(Action::undo);
+  EXPECT_EQ(session_.view(), view);
+  EXPECT_EQ(session_.panel(1).technique, &findWarp("segments"));
 }
 
 using WindowCornerTest = WindowScriptTest;

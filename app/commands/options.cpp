@@ -240,9 +240,11 @@ Scene CheckedOptions::open(const std::stop_token& stop) const {
 }
 
 void CheckedOptions::applyTo(Scene& served) const {
+  const MarchSettings described = served.march;
   for (const MarchKnob& row : marchKnobs())
     if (const auto value = given.find(*row.knob)) row.set(served.march, *value);
   for (const auto& [text, value] : givenTexts) text->set(served.march, value, text->option);
+  if (!(served.march == described)) served.describedMarch = described;
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 

@@ -82,7 +82,9 @@ void run(const ReplayOptions& options) {
   if (needsMarcher(settings.columns, settings.hasErrors)) {
     try {
       marcher = marcherOf(recording, checked.backend, interrupt.token());
-    } catch (const InputError& error) {
+    } catch (const OperationCancelled&) {
+      throw;
+    } catch (const std::runtime_error& error) {  // InputError, UsageError of a scene that there is none of here
       if (options.contents.empty()) showWhatThereIs(settings.columns, false);
       if (needsMarcher(settings.columns, settings.hasErrors)) throw;
       logWarning(std::string("pictures in place of what was on show: ") + error.what());
@@ -126,7 +128,7 @@ void addReplayCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("recording", options->file, "File of view --record, or of File, Record in the window")->required();
   command->add_option("--out", options->out, "Folder for 000001.png and so on")->required();
   command->add_option("--techniques", options->techniques, "Side by side, parted by commas: " + listOf(warpRegistry()) + "; default: those that were on show")->delimiter(',');
-  command->add_option("--show", options->contents, "What of the pictures is shown, one for all or one for each technique: " + listOf(pictureContents()) + "; default: what was on show")->delimiter(',');
+  command->add_option("--show", options->contents, "What of the pictures is shown, one for all or one for each technique: " + listOf(pictureContents()) + "; default: what was on show, and of --techniques the picture")->delimiter(',');
   command->add_option("--range", options->range, "What the upper end of such a content's ramp of colours stands for, " + rangeText(kContentRange) + "; default: as it was on show, or as `shot` has it");
   command->add_option("--fps", options->picturesPerSecond, "Pictures a second, " + rangeText(kRateRange))->capture_default_str();
   command->add_option("--size", options->common.size, "WxH of each technique's picture, " + pictureSizes())->capture_default_str();

@@ -175,6 +175,7 @@ void requireRay(const ShotOptions& options, const CommandContext& work) {
     throw UsageError("--ray " + std::to_string(options.ray[0]) + "," + std::to_string(options.ray[1]) + ": the picture has " + std::to_string(work.width) + " x " +
                      std::to_string(work.height) + " pixels, the first is 0,0");
   if (!work.scene.volume) throw UsageError("--ray looks at the volume's values, which the server has: leave out --connect where the volume is");
+  requireWholeRays(*work.scene.volume);
 }
 
 /// What there is along the ray behind a pixel of the picture.

@@ -199,21 +199,23 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
       const ReplayColumn& column = settings.columns[k];
       std::string content;
       if (!technique.usesFrame || frame) {
-        try {
-          const std::optional<SegmentLook> segments = describe(column.content).usesSamples ? segmentLookOf(technique, frame.get(), camera, stop) : std::nullopt;
-          const ShownContent shown = show(column.content,
-                                          {.image = row.image,
-                                           .camera = camera,
-                                           .background = recording.scene.background,
-                                           .reference = truth ? &rows[*truth].image.color : nullptr,
-                                           .frame = technique.usesFrame ? frame.get() : nullptr,
-                                           .segments = segments ? &*segments : nullptr},
-                                          column.range);
-          paste(page, shown.picture, left);
-          if (column.content != PictureContent::picture) content = ", " + textOf(column, shown);
-        } catch (const InputError& error) {
-          if (column.content == PictureContent::picture) throw;
-          content = std::string(", ") + error.what();  // of this picture; of another one there may be
+        paste(page, toScreen(row.image, recording.scene.background), left);
+        if (column.content != PictureContent::picture) {
+          try {
+            const std::optional<SegmentLook> segments = describe(column.content).usesSamples ? segmentLookOf(technique, frame.get(), camera, stop) : std::nullopt;
+            const ShownContent shown = show(column.content,
+                                            {.image = row.image,
+                                             .camera = camera,
+                                             .background = recording.scene.background,
+                                             .reference = truth ? &rows[*truth].image.color : nullptr,
+                                             .frame = technique.usesFrame ? frame.get() : nullptr,
+                                             .segments = segments ? &*segments : nullptr},
+                                            column.range);
+            paste(page, shown.picture, left);
+            content = ", " + textOf(column, shown);
+          } catch (const InputError& error) {
+            content = std::string(", ") + error.what();  // of this picture, which stays; of another one there may be
+          }
         }
         if (judge) labels.write(errorLine, left, settings.width, k == *truth ? kIsTruth : errorTexts(judge->errorsOf(row.image)));
       }

@@ -15,9 +15,15 @@ inline nlohmann::json toJson(const net::ProcessFields& process) {
     for (const uint8_t slot : slots) counts.push_back(std::round(100.0 * static_cast<double>(process.mostThreads) * slot / 255.0) / 100.0);
     return counts;
   };
-  return {{"lower", process.lower},     {"upper", process.upper},   {"tiles", process.tiles},
-          {"deviceTiles", process.deviceTiles}, {"marchMs", process.marchMs}, {"waitMs", process.waitMs},
-          {"sentBytes", process.sentBytes}, {"slotMs", process.slotMs}, {"marching", threads(process.marching)},
+  return {{"lower", process.lower},
+          {"upper", process.upper},
+          {"tiles", process.tiles},
+          {"deviceTiles", process.deviceTiles},
+          {"marchMs", process.marchMs},
+          {"waitMs", process.waitMs},
+          {"sentBytes", process.sentBytes},
+          {"slotMs", process.slotMs},
+          {"marching", threads(process.marching)},
           {"waiting", threads(process.waiting)}};
 }
 

@@ -15,6 +15,8 @@ constexpr double kPlotWidth = 506, kHeight = 420, kLeft = 64, kTop = 14, kBottom
 constexpr double kLeastLegend = 190, kLegendIndent = 28, kLegendLine = 17, kLetter = 6.6;  // of text of PlotDrawing::kTextPx, on average
 constexpr double kHidden = 2.0;  // points that are nearer to each other cannot be told apart
 
+bool isNumberless(const PlotPoint& point) { return std::isnan(point.x) || std::isnan(point.y); }
+
 /// Adds a point to the mark that it would hide, if there is one.
 void add(const PlotPoint& point, uint32_t rgb, const glm::dvec2& at, std::vector<PlotDrawing::Mark>& marks) {
   auto mark = std::ranges::find_if(marks, [&](const PlotDrawing::Mark& other) { return glm::distance(other.at, at) < kHidden; });
@@ -62,10 +64,11 @@ PlotDrawing layOut(const Plot& plot) {
   for (const PlotSeries& series : plot.series) {
     if (series.isLine && series.points.size() > 1) {
       drawing.curves.push_back({series.rgb, series.isDashed, {}});
-      for (const PlotPoint& point : series.points) drawing.curves.back().points.emplace_back(x.place(point.x), y.place(point.y));
+      for (const PlotPoint& point : series.points)
+        if (!isNumberless(point)) drawing.curves.back().points.emplace_back(x.place(point.x), y.place(point.y));
     }
     for (const PlotPoint& point : series.points)
-      if (!std::isnan(point.x) && !std::isnan(point.y)) add(point, series.rgb, {x.place(point.x), y.place(point.y)}, drawing.marks);
+      if (!isNumberless(point)) add(point, series.rgb, {x.place(point.x), y.place(point.y)}, drawing.marks);
     if (series.name.empty()) continue;
     drawing.legend.push_back({{right + kLegendIndent, legend}, series.name, series.rgb});
     legend += kLegendLine;

@@ -52,6 +52,7 @@ struct Scene {
   std::vector<View> views;     ///< at least one; the first is the server's
   std::vector<std::filesystem::path> files;  ///< that its description names: of voxels and of a mask
   MarchSettings march = defaultMarch();
+  std::optional<MarchSettings> describedMarch{};  ///< `march` before options replaced some of it
 
   const VolumeGeometry& geometry() const { return volume ? volume->geometry() : elsewhere; }
 };

@@ -38,6 +38,16 @@ void setUpPanels(const Demo& demo, Session& session) {
   }
 }
 
+void setGoing(const Demo& demo, Session& session) {
+  LiveSettings knobs = session.knobs();
+  const auto presets = net::linkPresets();
+  knobs.transport.link = std::ranges::find(presets, demo.link, &net::LinkPreset::name)->settings;
+  knobs.transport.frameKib = demo.frameKib;
+  knobs.isFrozen = false;
+  session.setKnobs(knobs);
+  session.setMotion(demo.motion);
+}
+
 /// Whether the newest frame has something for each panel.
 bool isDrawable(const Session& session) {
   const SampleFramePtr& frame = session.frames().newest();
@@ -53,14 +63,8 @@ bool isDrawable(const Session& session) {
 
 void startDemo(const Demo& demo, Session& session) {
   setUpPanels(demo, session);
-  LiveSettings knobs = session.knobs();
-  const auto presets = net::linkPresets();
-  knobs.transport.link = std::ranges::find(presets, demo.link, &net::LinkPreset::name)->settings;
-  knobs.transport.frameKib = demo.frameKib;
-  knobs.isFrozen = false;
-  session.setKnobs(knobs);
   session.resetView();
-  session.setMotion(demo.motion);
+  setGoing(demo, session);
 }
 
 BeforeDemo beforeDemo(const Session& session) {
@@ -91,30 +95,44 @@ void endDemo(const BeforeDemo& before, Session& session) {
   session.setKnobs(knobs);
 }
 
-void RunningDemo::start(const Demo& demo, Session& session) {
+void RunningDemo::start(const Demo& demo, Session& session, const EditHistory& history) {
+  if (!before_ || scene_ != session.sceneCount()) depthBefore_ = history.depth();
   if (!before_) before_ = beforeDemo(session);
-  pending_ = &demo;
-  pendingSince_.reset();
-  edits_.reset();
+  scene_ = session.sceneCount();
   session.setMotion(CameraMotion::none);
   setUpPanels(demo, session);
+  session.resetView();
   LiveSettings knobs = session.knobs();
   knobs.transport.link = {};
   knobs.isFrozen = false;
   session.setKnobs(knobs);
+  pending_ = &demo;
+  pendingView_ = session.view();
+  pendingSince_.reset();
+  depthBegun_.reset();
 }
 
-void RunningDemo::follow(Session& session, uint64_t edits, Session::TimePoint now) {
-  if (pending_ != nullptr) {
-    if (!pendingSince_) pendingSince_ = now;
-    if (isDrawable(session) || now - *pendingSince_ > kPatience) startDemo(*std::exchange(pending_, nullptr), session);
-  } else if (isOn() && !edits_) {
-    edits_ = edits;
+void RunningDemo::follow(Session& session, const EditHistory& history, bool isHeld, Session::TimePoint now) {
+  if (!isOn() || isHeld) return;
+  if (!depthBegun_) depthBegun_ = history.depth();
+  if (pending_ == nullptr) return;
+  if (!pendingSince_) pendingSince_ = now;
+  if (session.sceneCount() != scene_ || history.depth() != *depthBegun_ || session.view() != pendingView_) {
+    pending_ = nullptr;
+  } else if (isDrawable(session) || now - *pendingSince_ > kPatience) {
+    setGoing(*std::exchange(pending_, nullptr), session);
+    depthBegun_.reset();
   }
 }
 
-void RunningDemo::end(Session& session) {
+bool RunningDemo::isLast(const Session& session, const EditHistory& history) const {
+  return isOn() && session.sceneCount() == scene_ && (!depthBegun_ || history.depth() == *depthBegun_);
+}
+
+void RunningDemo::end(Session& session, EditHistory& history) {
+  const bool isWhole = isLast(session, history);
   endDemo(*before_, session);
+  if (isWhole) history.cutTo(depthBefore_);
   forget();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/scene/camera_motion.h"
+#include "app/session/edit_history.h"
 #include "app/session/session.h"
 
 namespace warpscope {
@@ -43,18 +44,18 @@ BeforeDemo beforeDemo(const Session& session);
 void endDemo(const BeforeDemo& before, Session& session);
 
 /// A demonstration on show. Its panels come first, without a link, and link and motion when there is a frame that has what they draw: by the link's own time the
-/// first pictures would be black until then.
+/// first pictures would be black until then. Who changes something meanwhile has what he wanted, and they do not come.
 class RunningDemo {
  public:
   /// After another one that goes on what was before stays what was before the first.
-  void start(const Demo& demo, Session& session);
-  /// Once for each frame, after the history: `edits` as EditHistory::edits().
-  void follow(Session& session, uint64_t edits, Session::TimePoint now);
+  void start(const Demo& demo, Session& session, const EditHistory& history);
+  /// Once for each frame, after the history has followed. `isHeld`: as it was told.
+  void follow(Session& session, const EditHistory& history, bool isHeld, Session::TimePoint now);
   bool isOn() const { return before_.has_value(); }
-  /// Whether the last thing that was done is that it began.
-  bool isLast(uint64_t edits) const { return isOn() && (pending_ != nullptr || edits_ == edits); }
-  /// Back to what was; only where isOn().
-  void end(Session& session);
+  /// Whether the last thing that was done is that it began, so that it can be taken back as a whole.
+  bool isLast(const Session& session, const EditHistory& history) const;
+  /// Back to what was; only where isOn(). Taken back as a whole it leaves no step.
+  void end(Session& session, EditHistory& history);
   /// What it changed stays.
   void forget() { *this = {}; }
 
@@ -62,9 +63,12 @@ class RunningDemo {
   static constexpr std::chrono::seconds kPatience{3};  // for a frame
 
   std::optional<BeforeDemo> before_;
-  const Demo* pending_ = nullptr;  // whose frame has not come yet
+  uint64_t scene_ = 0;                   // Session::sceneCount() when the last one began
+  uint64_t depthBefore_ = 0;             // of the history
+  std::optional<uint64_t> depthBegun_;   // when what it changes was a step; nothing: it is not yet
+  const Demo* pending_ = nullptr;        // whose frame has not come yet
+  View pendingView_;                     // since it began
   std::optional<Session::TimePoint> pendingSince_;
-  std::optional<uint64_t> edits_;  // when it had begun
 };
 
 }  // namespace warpscope

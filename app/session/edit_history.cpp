@@ -83,6 +83,7 @@ void apply(const EditState& state, Session& session) {
 void EditHistory::follow(const Session& session, const TransferCurves* curves, bool isHeld) {
   if (std::exchange(scene_, session.sceneCount()) != session.sceneCount()) {
     last_.reset();
+    forgotten_ += done_.size();
     done_.clear();
     undone_.clear();
   }
@@ -91,11 +92,19 @@ void EditHistory::follow(const Session& session, const TransferCurves* curves, b
   std::string change = last_ && !std::exchange(isTaken_, false) ? changeBetween(*last_, now) : std::string();
   if (!change.empty()) {
     undone_.clear();
-    ++edits_;
     done_.push_back({std::move(*last_), std::move(change)});
-    if (done_.size() > kMost) done_.erase(done_.begin());
+    if (done_.size() > kMost) {
+      done_.erase(done_.begin());
+      ++forgotten_;
+    }
   }
   last_ = std::move(now);
+}
+
+void EditHistory::cutTo(uint64_t depth) {
+  while (!done_.empty() && this->depth() > depth) done_.pop_back();
+  undone_.clear();
+  isTaken_ = true;
 }
 
 std::optional<EditState> EditHistory::step(std::vector<Step>& from, std::vector<Step>& to) {

@@ -34,11 +34,15 @@ class EditHistory {
   void follow(const Session& session, const TransferCurves* curves, bool isHeld);
 
   /// What would be taken back or made again, as changeBetween() names it; empty: nothing.
-  std::string undoes() const { return done_.empty() ? std::string() : done_.back().change; }
+  std::string undoes() const { return !whole_.empty() ? whole_ : done_.empty() ? std::string() : done_.back().change; }
   std::string redoes() const { return undone_.empty() ? std::string() : undone_.back().change; }
 
-  /// How many steps there ever were: another one, another number.
-  uint64_t edits() const { return edits_; }
+  /// How many steps lie behind what is on show, those that are forgotten included.
+  uint64_t depth() const { return forgotten_ + done_.size(); }
+  /// What somebody else took back is no step, and the steps that lie beyond that depth are gone.
+  void cutTo(uint64_t depth);
+  /// Steps that somebody else takes back together, by their name; empty: there are none now.
+  void setWhole(std::string name) { whole_ = std::move(name); }
 
   /// What is to be shown from now on, if there is anything; whatever follow() sees then is no step of its own.
   std::optional<EditState> undo() { return step(done_, undone_); }
@@ -54,7 +58,8 @@ class EditHistory {
   uint64_t scene_ = 0;  // as Session::sceneCount()
   std::optional<EditState> last_;
   std::vector<Step> done_, undone_;  // the nearest to now last
-  uint64_t edits_ = 0;
+  uint64_t forgotten_ = 0;
+  std::string whole_;
   bool isTaken_ = false;  // undo() or redo() was called since follow()
 };
 

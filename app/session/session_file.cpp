@@ -95,7 +95,7 @@ void readPanel(const Node& node, SessionFile& file) {
   panel.technique = panel.isAutomatic ? &findWarp("splats") : &namedIn(warpRegistry(), technique);
   if (const auto knobs = node.find("knobs")) readWarpKnobs(*knobs, panel.knobs);
   if (const auto content = node.find("content")) panel.content = namedIn(pictureContents(), *content).value;
-  if (const auto range = node.find("range")) panel.contentRange = static_cast<float>(range->number(1e-6, 1e6));
+  if (const auto range = node.find("range")) panel.contentRange = static_cast<float>(range->number(kContentRange));
   file.panels.push_back(panel);
   const auto view = node.find("view");
   file.arrangement.ownViews.push_back(view ? std::optional(readView(*view)) : std::nullopt);
@@ -250,7 +250,7 @@ void restore(const SessionFile& file, Session& session, const OriginOpener& open
 
 namespace {
 
-/// Whether options say all that is on show: of cameras, contents and edits of the transfer function there are none, and techniques' knobs are those of all panels
+/// Whether options say all that is on show. A recording says itself what they would; of cameras, contents and edits of the transfer function there are none, and techniques' knobs are those of all panels
 /// but the first of several.
 bool areOptionsEnough(const SessionFile& file, const Session& session) {
   const LiveSettings usual;
@@ -258,7 +258,7 @@ bool areOptionsEnough(const SessionFile& file, const Session& session) {
   const auto isPlain = [](const PanelSettings& panel) { return panel.content == PictureContent::picture; };
   const KnobValues ofOthers = file.panels.back().knobs;
   const auto hasKnobs = [&](const PanelSettings& panel) { return toJson(panel.knobs) == toJson(&panel == &file.panels.front() && file.panels.size() > 1 ? KnobValues{} : ofOthers); };
-  return isView && !session.hasOwnFunction() && std::ranges::all_of(file.panels, isPlain) && std::ranges::all_of(file.panels, hasKnobs) &&
+  return !session.playback().isOpen() && isView && !session.hasOwnFunction() && std::ranges::all_of(file.panels, isPlain) && std::ranges::all_of(file.panels, hasKnobs) &&
          file.knobs.serverSidePx == usual.serverSidePx && file.knobs.screenPixels == usual.screenPixels;
 }
 
@@ -282,7 +282,7 @@ std::string optionsFor(const SessionFile& file, const Session& session) {
   std::string panels;
   for (const PanelSettings& panel : file.panels) panels += (panels.empty() ? "" : ",") + (panel.isAutomatic ? std::string("auto") : std::string(panel.technique->name));
   add("--panels", panels);
-  const MarchSettings usual = session.scene()->march;
+  const MarchSettings usual = session.scene()->describedMarch.value_or(session.scene()->march);
   for (const MarchKnob& row : marchKnobs())
     if (row.get(knobs.march) != row.get(usual) && !row.knob->option.empty()) add(row.knob->option, textOf(*row.knob, row.get(knobs.march)));
   for (const MarchText& text : marchTexts())

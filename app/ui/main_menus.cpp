@@ -29,7 +29,7 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
 bool MainView::isPossible(Action action, const Session& session) const {
   switch (action) {
     case Action::restoreLast: return lastSession().has_value();
-    case Action::undo: return !history_.undoes().empty() || demo_.isOn();
+    case Action::undo: return !history_.undoes().empty();
     case Action::redo: return !history_.redoes().empty();
     case Action::addPanel: return session.panelCount() < kMaxPanels;
     case Action::closePanel:
@@ -48,7 +48,6 @@ bool MainView::isPossible(Action action, const Session& session) const {
 std::string MainView::labelOf(const ActionDescriptor& action, const Session& session) const {
   if (action.action == Action::exportFilm && session.exporting().isAtWork()) return "Cancel the export";
   if (action.action == Action::record && session.isRecording()) return "End the recording";
-  if (action.action == Action::undo && demo_.isLast(history_.edits())) return std::string(action.label) + ": demo";
   const std::string what = action.action == Action::undo ? history_.undoes() : action.action == Action::redo ? history_.redoes() : std::string();
   return std::string(action.label) + (what.empty() ? "" : ": " + what);
 }

@@ -135,7 +135,7 @@ void MainView::takeBack(Action action, Session& session) {
   if (editor.isHeld()) return;
   history_.follow(session, editor.curves(session), false);  // what was changed since the last frame
   const bool isUndo = action == Action::undo;
-  if (isUndo && demo_.isLast(history_.edits())) {
+  if (isUndo && demo_.isLast(session, history_)) {
     endDemo(session);
     return setNote("taken back: the demo");
   }
@@ -229,13 +229,13 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
 }
 
 void MainView::start(const Demo& demo, Session& session) {
-  demo_.start(demo, session);
+  demo_.start(demo, session, history_);
   grid_.showAll();
   setNote("Demo: " + std::string(demo.name) + ". " + std::string(demo.summary) + ". Drag to stop the camera; Demo > End the demo goes back to what was.");
 }
 
 void MainView::endDemo(Session& session) {
-  demo_.end(session);
+  demo_.end(session, history_);
   grid_.showAll();
 }
 
@@ -386,8 +386,10 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   ImGui::End();
   if (std::optional<std::string> note = controls_.transferEditor().takeNote()) setNote(std::move(*note));
   if (const std::optional<Action> action = controls_.transferEditor().takeAction()) perform(*action, session);
-  history_.follow(session, controls_.transferEditor().curves(session), ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown());
-  demo_.follow(session, history_.edits(), look.now);
+  const bool isHeld = ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown();
+  history_.follow(session, controls_.transferEditor().curves(session), isHeld);
+  demo_.follow(session, history_, isHeld, look.now);
+  history_.setWhole(demo_.isLast(session, history_) ? "demo" : "");
   if (showsKeys_) drawKeysPage(showsKeys_, look);
   if (showsAbout_) drawAboutPage(showsAbout_, session, gl_.renderer, look);
   drawDialog(session, look);

@@ -1,4 +1,4 @@
-// What each process did that the server's volume is spread over, and when: a timeline a process, from when the frame began.
+// What each process did that the server's volume is spread over, and when: a timeline a process, from when the frame reached it.
 // See parts.h.
 #include <algorithm>
 #include <string>
@@ -25,7 +25,7 @@ void drawKey(size_t number, const net::ProcessFields& process, const Look& look)
   ImGui::PopStyleVar();
 }
 
-/// When the last of its threads was at it, since the frame began.
+/// When the last of its threads was at it, since the frame reached it.
 double endMs(const net::ProcessFields& process) {
   size_t slots = net::kProcessSlots;
   while (slots > 0 && process.marching[slots - 1] == 0 && process.waiting[slots - 1] == 0) --slots;

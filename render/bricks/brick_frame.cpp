@@ -197,7 +197,7 @@ std::unique_ptr<RelayedTile> BrickFrame::nextTile(bool waits) {
 
 void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
   {
-    const double fromMs = msSinceBegin(tile->taken), toMs = msSinceBegin(std::chrono::steady_clock::now());
+    const double fromMs = msSinceBegin(tile->taken), toMs = msSinceBegin(tile->done.value_or(std::chrono::steady_clock::now()));
     const std::scoped_lock lock(mutex_);
     work_.marchMs += toMs - fromMs;
     work_.timeline.addMarch(fromMs, toMs);

@@ -1,4 +1,4 @@
-// When a rank's threads marched and when they waited, since a frame began there: sums over slots of time, which widen as it takes longer.
+// When a rank's threads marched and when they waited, since a frame reached it: sums over slots of time, which widen as it takes longer.
 // The same few bytes for any frame, so that ranks can tell each other.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace warpscope {
 struct WorkTimeline {
   static constexpr size_t kSlots = 32;
 
-  double slotMs = 0.25;                  ///< of each slot; the first begins with the frame
+  double slotMs = 0.25;                  ///< of each slot; the first begins when the frame reaches the rank
   std::array<float, kSlots> marchMs{};   ///< of all threads together, in each slot
   std::array<float, kSlots> waitMs{};    ///< likewise: for tiles
 

@@ -1,5 +1,5 @@
 // A hash that is a sum over words: they may be taken in any order, on many threads.
-// Multiplications and shifts as in the finalizer of SplitMix64 (Steele, Lea, Flood 2014).
+// Multiplications and shifts in turns, as the finalizer of SplitMix64 has them (Steele, Lea, Flood 2014), with other numbers.
 #pragma once
 
 #include <cstdint>

@@ -12,8 +12,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "render/base/error.h"
-#include "render/base/input_file.h"
 #include "render/base/stopwatch.h"
 #include "render/core/counters.h"
 #include "render/core/floating_point.h"
@@ -27,7 +25,6 @@
 #include "render/march/ray_trace.h"
 #include "render/march/tile_marcher.h"
 #include "render/march/volume_source.h"
-#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 
@@ -45,13 +42,6 @@ uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings, const
   const Box& bounds = volume.bounds();
   const double stepsOfRay = glm::length(bounds.upper - bounds.lower) / settings.step + 1.0;
   return static_cast<uint32_t>(std::clamp(std::sqrt((standsBack ? kMostStepsOfShortTile : kMostStepsOfTile) / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
-}
-
-/// A ray that is looked at goes through all slices at once, of each of which the system may map 2 MiB.
-void requireWholeRays(const Volume& volume) {
-  if (slicesKept(volume) == volume.dims().z) return;
-  throw InputError(volume.name() + ": a ray is looked at as a whole, for which --memory is to be at least " + std::to_string(limitForAll(volume.sizeBytes()) >> 20) +
-                   " (MiB); " + sizeText(*memoryLimit()) + " are too few");
 }
 
 PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }

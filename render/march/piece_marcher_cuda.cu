@@ -257,10 +257,13 @@ class CudaPieceMarcher final : public PieceMarcher {
         } catch (const DeviceError& error) {
           device_->leave(error);
         }
-        const auto to = std::chrono::steady_clock::now();
+        const auto part = (std::chrono::steady_clock::now() - from) / static_cast<int64_t>(tiles.size());  // of what all took, a tile's
+        auto begin = from;
         for (std::unique_ptr<RelayedTile>& one : tiles) {
           one->isByDevice = isMarched;
-          one->taken = to - (to - from) / static_cast<int64_t>(tiles.size());  // its part of what all took
+          one->taken = begin;
+          begin += part;
+          if (isMarched) one->done = begin;
           isMarched ? frame.relay.handOn(std::move(one)) : giveToHost(std::move(one));
         }
       }

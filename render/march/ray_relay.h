@@ -10,6 +10,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -89,6 +90,7 @@ struct RelayedTile {
   std::vector<glm::vec4> colors;   ///< likewise; where they are not: linear, premultiplied
 
   std::chrono::steady_clock::time_point taken;  ///< when
+  std::optional<std::chrono::steady_clock::time_point> done;  ///< its part here; nothing: when it is handed on
   bool isByDevice = false;                      ///< its part here was marched by a device
 
   RelayedRay& ray(uint32_t x, uint32_t y) { return rays[size_t{y - area.y} * area.width + (x - area.x)]; }

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "render/base/error.h"
+#include "render/base/input_file.h"
+#include "render/volume/kept_slices.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
@@ -29,6 +32,13 @@ double interpolated(const Voxel* voxels, const glm::uvec3& dims, const int (&ind
 }
 
 }  // namespace
+
+void requireWholeRays(const Volume& volume) {
+  if (slicesKept(volume) == volume.dims().z) return;
+  constexpr uint64_t kMebibyte = 1 << 20;
+  throw InputError(volume.name() + ": a ray is looked at as a whole, for which --memory is to be at least " +
+                   std::to_string((limitForAll(volume.sizeBytes()) + kMebibyte - 1) / kMebibyte) + " (MiB); " + sizeText(*memoryLimit()) + " are too few");
+}
 
 std::vector<RayPlace> placesAlong(const Volume& volume, const TransferFunction& transferFunction, const Ray& ray, float begin, float end, float step) {
   std::vector<RayPlace> places;

@@ -50,6 +50,10 @@ class RayTracer {
 /// Reads all of the volume once. Never fails for a valid one; keeps it alive.
 std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction);
 
+/// Throws InputError where the volume is too large to be kept in memory as a whole (--memory): a ray that is looked at goes through all slices at once, of each of
+/// which the system may map 2 MiB.
+void requireWholeRays(const Volume& volume);
+
 /// Of the places along the ray, one every `step`; at most kMostRayPlaces, farther apart then.
 std::vector<RayPlace> placesAlong(const Volume& volume, const TransferFunction& transferFunction, const Ray& ray, float begin, float end, float step);
 inline constexpr size_t kMostRayPlaces = 4096;

@@ -204,12 +204,11 @@ VoxelRows rowsFrom(size_t begin, size_t end, const glm::uvec3& dims) {
   return {{static_cast<uint32_t>(begin % dims.y), first}, {static_cast<uint32_t>(end - size_t{first} * dims.y), last}};
 }
 
-/// Of all voxels; reads them in pieces.
+/// Of all voxels, of which somebody has said that they will be looked at; reads them in pieces.
 uint64_t hashOfAll(const Volume& volume, const std::stop_token& stop) {
   constexpr size_t kPieceBytes = 32 << 20, kWord = sizeof(uint64_t);
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
   const size_t rowBytes = volume.dims().x * sizeBytes(volume.type());
-  beginLooking(volume.sizeBytes());
   std::atomic<uint64_t> sum = 0;
   for (size_t begin = 0; begin < volume.sizeBytes(); begin += kPieceBytes) {
     const size_t end = std::min(begin + kPieceBytes, volume.sizeBytes());
@@ -232,14 +231,17 @@ uint64_t hashOfAll(const Volume& volume, const std::stop_token& stop) {
 }
 
 /// What ranks have is the same: size, type, place; voxels here and there, where they come from one file, or copies of one date; else all of them.
-void requireSameEverywhere(const Volume& volume, const std::string& stamp, const std::stop_token& stop) {
+/// `bytesAfterwards`: that will be looked at when that is done.
+void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint64_t bytesAfterwards, const std::stop_token& stop) {
   const VolumeGeometry& geometry = volume.geometry();
   std::vector<double> numbers{static_cast<double>(volume.type()), geometry.spacing.x, geometry.spacing.y, geometry.spacing.z};
   for (int axis = 0; axis < 3; ++axis) numbers.push_back(geometry.dims[axis]);
   volume.ranks()->requireSame(std::as_bytes(std::span<const double>(numbers)), volume.name() + ": size, type and spacing of voxels");
   const std::string what = volume.name() + ": voxels";
   const std::vector<std::vector<std::byte>> stamps = volume.ranks()->allGather(std::as_bytes(std::span<const char>(stamp)));
-  if (stamps.front().empty() || std::ranges::adjacent_find(stamps, std::ranges::not_equal_to()) != stamps.end()) {
+  const bool isCertain = !stamps.front().empty() && std::ranges::adjacent_find(stamps, std::ranges::not_equal_to()) == stamps.end();
+  beginLooking((isCertain ? 0 : volume.sizeBytes()) + bytesAfterwards);  // all at once, so that what is left never grows
+  if (!isCertain) {
     const uint64_t hash = hashOfAll(volume, stop);
     return volume.ranks()->requireSame(std::as_bytes(std::span(&hash, 1)), what);
   }
@@ -269,11 +271,13 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
       source_(std::move(source)) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
-  if (ranks_) requireSameEverywhere(*this, source_ ? source_->stamp() : "", stop);
   const std::pair<size_t, size_t> share = shareOf(ranks_, count);
+  const size_t passes = type_ == VoxelType::uint8 ? 1 : 2, bytes = passes * (share.second - share.first) * warpscope::sizeBytes(type_);
+  if (ranks_)
+    requireSameEverywhere(*this, source_ ? source_->stamp() : "", bytes, stop);
+  else
+    beginLooking(bytes);
   if (share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
-  const size_t passes = type_ == VoxelType::uint8 ? 1 : 2;
-  beginLooking(passes * (share.second - share.first) * warpscope::sizeBytes(type_));
   visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 
