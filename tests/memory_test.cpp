@@ -121,6 +121,21 @@ TEST(MemoryLimit, WhatCanBeDroppedIsKnownAndCalledWhereMemoryIsShort) {
   setMemoryLimit(std::nullopt);
 }
 
+TEST(MemoryLimit, WhatIsLeftIsToldBesideWhatLetsGoByItself) {
+  constexpr uint64_t kMiB = 1 << 20;
+  const int one = 0, other = 0;
+  const Droppable byItself(&one, nullptr, 30 * kMiB), dropped(&other, [] {}, 10 * kMiB);
+  EXPECT_EQ(memoryLeftBeside(&one), 0u) << "without a limit";
+  const uint64_t resident = residentMemory().bytes;
+  setMemoryLimit(6 * (resident + 200 * kMiB));
+  keepWithinMemoryLimit();
+  EXPECT_NEAR(static_cast<double>(memoryLeftBeside(&one)) / kMiB, static_cast<double>(4 * resident / kMiB + 5 * 200 - 104), 20.0);
+  EXPECT_EQ(memoryLeftBeside(&other), 0u);
+  setMemoryLimit(resident);
+  EXPECT_EQ(memoryLeftBeside(&one), 0u);
+  setMemoryLimit(std::nullopt);
+}
+
 /// Pictures too large for this machine are refused before any of them is taken.
 TEST(RequireMemory, IsAskedForLargePictures) {
   UnfilledAllocator<uint32_t> allocator;

@@ -165,15 +165,15 @@ TEST_F(Mpi, ProcessesThatDoNotAgreeAreFoundOut) {
   std::string changed = voxels;
   for (size_t i = 0; i < changed.size(); ++i) changed[i] = static_cast<char>(changed[i] ^ 1);
   std::ofstream(folder_.file(std::string("other/") + kVolume), std::ios::binary) << changed;
-  // One bit of one voxel, where nobody looks who looks here and there; a copy of another date that is the same.
+  // One bit of one voxel, where nobody looks who looks here and there, in a copy of the same date; a copy that is the same.
   std::filesystem::create_directory(folder_.path() / "nearly");
-  std::filesystem::create_directory(folder_.path() / "later");
+  std::filesystem::create_directory(folder_.path() / "alike");
   changed = voxels;
   changed[changed.size() - 1001] = static_cast<char>(changed[changed.size() - 1001] ^ 1);
   const auto written = std::filesystem::last_write_time(folder_.file(kVolume));
-  for (const auto& [name, content] : {std::pair<std::string, const std::string&>{"nearly/", changed}, {"later/", voxels}}) {
+  for (const auto& [name, content] : {std::pair<std::string, const std::string&>{"nearly/", changed}, {"alike/", voxels}}) {
     std::ofstream(folder_.file(name + kVolume), std::ios::binary) << content;
-    std::filesystem::last_write_time(folder_.file(name + kVolume), written + std::chrono::seconds(1));
+    std::filesystem::last_write_time(folder_.file(name + kVolume), written);
   }
   std::ofstream(folder_.file("shorter/balls_48x40x35_uint16.raw"), std::ios::binary) << voxels.substr(0, 48 * 40 * 35 * 2);
   const std::vector<std::pair<Arguments, std::string>> others{{{std::string("other/") + kVolume}, ": voxels: process 1 of 2"},
@@ -188,7 +188,10 @@ TEST_F(Mpi, ProcessesThatDoNotAgreeAreFoundOut) {
     EXPECT_EQ(result.code, kFailure);
     EXPECT_THAT(result.err, testing::HasSubstr(reason));
   }
-  const Arguments alike{"-n", "1", WARPSCOPE_PROGRAM, "shot", kVolume, "--size", "90x70", "-o", "a.png", ":", "-n", "1", WARPSCOPE_PROGRAM, "shot", std::string("later/") + kVolume, "--size", "90x70", "-o", "a.png"};
+  // Two read one file, each a share, two others the other.
+  const Arguments pairs{"-n", "2", WARPSCOPE_PROGRAM, "shot", kVolume, "-o", "a.png", ":", "-n", "2", WARPSCOPE_PROGRAM, "shot", std::string("nearly/") + kVolume, "-o", "a.png"};
+  EXPECT_THAT(Program(pairs, folder_.path(), kEnvironment, WARPSCOPE_MPIEXEC).wait().err, testing::HasSubstr(": voxels: process 2 of 4"));
+  const Arguments alike{"-n", "2", WARPSCOPE_PROGRAM, "shot", kVolume, "--size", "90x70", "-o", "a.png", ":", "-n", "1", WARPSCOPE_PROGRAM, "shot", std::string("alike/") + kVolume, "--size", "90x70", "-o", "a.png"};
   EXPECT_EQ(Program(alike, folder_.path(), kEnvironment, WARPSCOPE_MPIEXEC).wait().code, kSuccess);
 }
 

@@ -8,6 +8,10 @@
 
 #include "marcher_cases.h"
 #include "reader_fixture.h"
+#include "render/core/parallel.h"
+#include "render/march/streamed_marcher.h"
+#include "render/volume/kept_slices.h"
+#include "render/volume/macrocells.h"
 #include "render/volume/procedural.h"
 #include "render/volume/sparse_voxels.h"
 #include "spread_volume.h"
@@ -220,6 +224,77 @@ TEST(SparseVoxels, WhatIsThereIsNotMadeAgainAndWhatIsLetGoOfIs) {
   voxels.release();
   EXPECT_EQ(madeFor({{6, 2}, {9, 4}}), 6u);
   EXPECT_EQ(static_cast<const uint8_t*>(voxels.voxels())[(2 * 20 + 7) * 8], 7);
+}
+
+TEST(SparseVoxels, WhoHoldsRowsHasThemAloneAndOthersAreLetGoOfWhereMemoryIsLimited) {
+  VolumeGeometry geometry;
+  geometry.dims = {64, 64, 40};  // a slice is a page
+  size_t made = 0;
+  const auto fill = [&](const VoxelRows& rows, std::byte* first, const std::stop_token&) {
+    for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z)
+      for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y, ++made) std::memset(first + (size_t{z} * 64 + y) * 64, static_cast<int>(z + 1), 64);
+  };
+  SparseVoxels kept(geometry, VoxelType::uint8, fill), limited(geometry, VoxelType::uint8, fill, "", true);
+  const auto madeBy = [&](SparseVoxels& voxels, const VoxelRows& rows) {
+    made = 0;
+    const std::unique_lock<std::mutex> held = voxels.hold(rows, {});
+    EXPECT_TRUE(held.owns_lock());
+    const auto* const slices = static_cast<const uint8_t*>(voxels.voxels());
+    for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z) {
+      EXPECT_EQ(slices[(size_t{z} * 64 + rows.lower.x) * 64], z + 1);
+      EXPECT_EQ(slices[(size_t{z} * 64 + rows.upper.x) * 64 - 1], z + 1);
+    }
+    return made;
+  };
+  EXPECT_EQ(madeBy(kept, {{0, 0}, {64, 10}}), 640u);
+  EXPECT_EQ(madeBy(kept, {{0, 8}, {64, 20}}), 640u);
+  EXPECT_EQ(madeBy(kept, {{0, 0}, {64, 10}}), 0u) << "nothing was let go of";
+  EXPECT_EQ(madeBy(limited, {{0, 0}, {64, 10}}), 640u);
+  EXPECT_EQ(madeBy(limited, {{0, 8}, {64, 20}}), 640u) << "two slices were there";
+  EXPECT_EQ(madeBy(limited, {{0, 0}, {64, 10}}), 512u);
+  EXPECT_EQ(madeBy(limited, {{5, 9}, {7, 11}}), 2u) << "and some rows of the one beside it are none";
+  EXPECT_EQ(static_cast<const uint8_t*>(limited.voxels())[0], 0) << "is not in memory any more";
+}
+
+/// One that a limit of memory has no room for: whatever is found out of all of its voxels is what is found out of them in memory.
+TEST(SparseVoxels, AVolumeMadeSlabBySlabIsTheWholeOne) {
+  VolumeGeometry geometry;
+  geometry.dims = {256, 200, 2400};
+  const auto value = [](uint32_t x, uint32_t y, uint32_t z) { return static_cast<uint8_t>((x * 3 + y * 5) ^ (z / 7)); };
+  const auto fill = [&](const VoxelRows& rows, std::byte* first, const std::stop_token& stop) {
+    parallelForRanges(rows.upper.y - rows.lower.y, 1, stop, [&](size_t begin, size_t end) {
+      for (size_t z = rows.lower.y + begin; z < rows.lower.y + end; ++z)
+        for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y)
+          for (uint32_t x = 0; x < 256; ++x) first[(z * 200 + y) * 256 + x] = std::byte{value(x, y, static_cast<uint32_t>(z))};
+    });
+  };
+  const TransferFunction function = band(200, 250, 0.05f);
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, geometry.dims, [&](const glm::ivec3& p) {
+    return value(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y), static_cast<uint32_t>(p.z));
+  });
+  MarchSettings settings;
+  settings.sample.segments = 2;
+  settings.sample.proxy = 12;
+  settings.render.effects.shading.strength = 1.0f;
+  const Camera camera = lookingFrom({400.0f, 200.0f, 600.0f}, {}, 40, 31, 0.8f);
+  const SampleFrame expected = makeCpuMarcher(whole, function)->march(camera, settings);
+  const Macrocells cells(*whole, ValueScale{});
+
+  setMemoryLimit(residentMemory().bytes / 2 * 3 + (uint64_t{100} << 20));  // about the least that slabs of an eighth of it can be kept to
+  const VolumePtr limited = makeSparseVolume("it", VoxelType::uint8, geometry, fill, {}, nullptr);
+  const uint32_t kept = slicesKept(*limited);
+  const bool isEnough = kept < 1600;  // three slabs and more
+  const SampleFrame frame = makeFittingCpuMarcher(limited, function)->march(camera, settings);
+  const Macrocells limitedCells(*limited, ValueScale{});
+  setMemoryLimit(std::nullopt);
+  EXPECT_TRUE(isEnough) << kept;
+  EXPECT_EQ(limited->statistics().histogram, whole->statistics().histogram);
+  EXPECT_EQ(std::memcmp(limitedCells.lowest(), cells.lowest(), cells.count() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(limitedCells.highest(), cells.highest(), cells.count() * sizeof(float)), 0);
+  ASSERT_TRUE(frame.proxy);
+  EXPECT_EQ(std::memcmp(frame.proxy->volume->voxels(), expected.proxy->volume->voxels(), expected.proxy->volume->sizeBytes()), 0);
+  EXPECT_TRUE(sameFrame(frame, expected));
+  EXPECT_GT(frame.samples.size(), 100u);
 }
 
 TEST(SparseVoxels, AreAsLargeAsAddressesReach) {

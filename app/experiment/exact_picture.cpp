@@ -9,6 +9,7 @@
 
 #include "render/core/parallel.h"
 #include "render/core/ray_sphere.h"
+#include "render/march/ray_trace.h"
 
 namespace warpscope {
 namespace {
@@ -131,6 +132,7 @@ constexpr double kUndecided = kSphereSurfaceError;
 
 Image<glm::vec4> exactPicture(const Volume& volume, const TransferFunction& function, const Camera& camera,
                               const RenderSettings& settings, const std::stop_token& stop) {
+  requireWholeRays(volume);
   Image<glm::vec4> picture(camera.width, camera.height);
   const glm::dvec3 eye(camera.eye);
   visitVoxelType(volume.type(), [&](auto voxel) {

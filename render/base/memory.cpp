@@ -95,6 +95,7 @@ std::optional<uint64_t> optionalOf(uint64_t bytes) { return bytes > 0 ? std::opt
 
 /// Of the limit, a share is left free beside what comes in between two looks; and as much is used all the same.
 constexpr uint64_t kShare = 6;
+constexpr uint64_t kForPictures = uint64_t{64} << 20;
 
 struct Droppables {
   std::mutex mutex;
@@ -135,7 +136,6 @@ class ResidentCount {
 Droppable::Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce) : memory_(memory), drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce) {
   const std::scoped_lock lock(droppables().mutex);
   if (const uint64_t limit = limitBytes) {
-    constexpr uint64_t kForPictures = uint64_t{64} << 20;
     const uint64_t needed = residentMemory().bytes + droppables().bytesAtOnce + bytesAtOnce_ + kForPictures, least = needed + needed / (kShare - 1);
     if (limit < least) throw InputError("the limit of " + sizeText(limit) + " of memory cannot be kept to: what is read of it at once takes " + sizeText(least));
   }
@@ -152,6 +152,14 @@ Droppable::~Droppable() {
 bool isDroppable(const void* memory) {
   const std::scoped_lock lock(droppables().mutex);
   return std::ranges::any_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory; });
+}
+
+uint64_t memoryLeftBeside(const void* memory) {
+  const std::scoped_lock lock(droppables().mutex);
+  const uint64_t limit = limitBytes;
+  if (limit == 0 || std::ranges::none_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory && !one->drop_; })) return 0;
+  const uint64_t taken = residentMemory().bytes + droppables().bytesAtOnce + kForPictures + limit / kShare;
+  return limit - std::min(limit, taken);
 }
 
 namespace {
@@ -176,7 +184,8 @@ void keepWithinMemoryLimit() {
   // Nobody goes on while another one is at it, which the system may let wait.
   const std::scoped_lock lock(droppables().mutex);
   if (residentMemory().bytes <= most) return;
-  for (Droppable* const one : droppables().all) one->drop_();
+  for (Droppable* const one : droppables().all)
+    if (one->drop_) one->drop_();
 }
 
 ResidentMemory residentMemory() {

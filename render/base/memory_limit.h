@@ -28,7 +28,7 @@ int deviceSharers();
 /// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
 class Droppable {
  public:
-  /// `memory`: where it begins. `bytesAtOnce`: what all threads may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do,
+  /// `memory`: where it begins. `drop`: null where it never has more than `bytesAtOnce`, and lets go by itself. `bytesAtOnce`: what all threads may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do,
   /// where the limit cannot be kept to.
   Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce);
   ~Droppable();
@@ -38,6 +38,7 @@ class Droppable {
  private:
   friend void keepWithinMemoryLimit();
   friend bool isDroppable(const void* memory);
+  friend uint64_t memoryLeftBeside(const void* memory);
   const void* const memory_;
   const std::function<void()> drop_;
   const uint64_t bytesAtOnce_;
@@ -45,6 +46,10 @@ class Droppable {
 
 /// Whether what begins there is a Droppable's. Safe on any thread.
 bool isDroppable(const void* memory);
+
+/// What is left of the limit for who looks at what begins there, a Droppable that lets go by itself: beside what this process has, what Droppables bring in at once, and pictures.
+/// 0 where there is no limit, and beside any other: of that, more is kept where more is left.
+uint64_t memoryLeftBeside(const void* memory);
 
 /// Of a droppable volume's slices, to how many whoever looks at all of them keeps at a time, so that the limit can be kept to: all where there is no limit, or room for them.
 uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices);

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "render/base/error.h"
-#include "render/base/memory_limit.h"
+#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 namespace {
@@ -114,8 +114,11 @@ DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
   cuda::StagedCopy copy;
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
-    const VoxelSpan all{0, volume.voxelCount()};
-    copyVoxels<Voxel>(volume, scale, std::span(&all, 1), bytes_.data(), copy, {});
+    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
+    forKeptSlices(volume, {}, {}, [&](uint32_t first, uint32_t end) {
+      const VoxelSpan kept{first * slice, end * slice};
+      copyVoxels<Voxel>(volume, scale, std::span(&kept, 1), bytes_.data(), copy, {});
+    });
     cuda::DeviceBuffer<std::byte> cells;
     isInCells_ = makeCells(reinterpret_cast<const Kept<Voxel>*>(bytes_.data()), glm::ivec3(volume.dims()), cells, stream);
     if (isInCells_) {

@@ -26,6 +26,7 @@
 #include "render/march/piece_worker.h"
 #include "render/march/relay_share.h"
 #include "render/march/streamed_marcher.h"
+#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 namespace {
@@ -297,9 +298,10 @@ class CudaPieceMarcher final : public PieceMarcher {
 }  // namespace
 
 MarcherPtr makeFittingCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  const int slices = slicesOnDevice(*volume);
-  if (slices == static_cast<int>(volume->dims().z)) return makeCudaMarcher(std::move(volume), std::move(transferFunction));
-  return makeStreamedMarcher(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), makeCudaPieces(false, {}), {.slices = slices});
+  const int slices = slicesOnDevice(*volume), all = static_cast<int>(volume->dims().z), kept = static_cast<int>(slicesKept(*volume));
+  if (slices == all) return makeCudaMarcher(std::move(volume), std::move(transferFunction));
+  return makeStreamedMarcher(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), makeCudaPieces(false, {}),
+                             {.slices = std::min(slices, kept), .isForAll = kept < all});
 }
 
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback) {

@@ -193,6 +193,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
         slab = 0;
       }
       const std::vector<CellBlock>& slabs = isAgain ? slabsAgain_ : slabs_;
+      const auto held = volume.hold(rowsOf(slabs[slab], settings, volume.geometry()), stop);
       SlabRelay relay(slabs[slab], std::move(tiles), slab + 1 == slabs.size(), onOutcome);
       (isAgain ? *hostPieces_ : *pieces_).marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);  // the second would have to copy all of the volume
       ++slab;
@@ -243,10 +244,11 @@ MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, 
 
 MarcherPtr makeFittingCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
   const uint32_t slices = volume->dims().z, atATime = slicesKept(*volume);
-  const uint64_t bytes = volume->sizeBytes();
+  const uint64_t slabBytes = volume->sizeBytes() / slices * atATime;
   auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
   if (atATime == slices) return makeCpuMarcherOf(std::move(marched), nullptr);
-  return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = bytes / slices * atATime, .isForAll = true});
+  const uint64_t rayBytes = std::max(slabBytes, memoryLeftBeside(marched->volume->voxels()));  // slabs that are made anew take longer than those that are read again
+  return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = rayBytes, .isForAll = true});
 }
 
 }  // namespace warpscope

@@ -23,7 +23,7 @@ struct StreamRoom {
 /// Frames and pictures are those of a marcher that has all of the volume, bit for bit.
 MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, const StreamRoom& room, TurnsPtr turns = nullptr);
 
-/// A CPU's marcher: of a mapped file that the limit of memory has no room for (memory_limit.h), one that keeps to slabs of it. Arguments as makeCpuMarcher()'s.
+/// A CPU's marcher: of a volume that the limit of memory has no room for (kept_slices.h), one that keeps to slabs of it. Arguments as makeCpuMarcher()'s.
 MarcherPtr makeFittingCpuMarcher(VolumePtr volume, TransferFunction transferFunction);
 
 }  // namespace warpscope

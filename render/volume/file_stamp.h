@@ -1,18 +1,19 @@
-// What tells versions of a file apart without reading them: its size and when it was written last.
+// What tells a file, and its versions, apart without reading them: its number in its file system, its size and when it was written last, to the nanosecond.
+// Linux: stat(2).
 #pragma once
+
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <string>
 
 namespace warpscope {
 
-/// Empty where it is not to be had.
+/// The same for two processes where they see the same file, on whatever machine; of a copy it is another one. Empty where it is not to be had.
 inline std::string stampOf(const std::filesystem::path& file) {
-  std::error_code failed;
-  const uintmax_t bytes = std::filesystem::file_size(file, failed);
-  if (failed) return "";
-  const auto written = std::filesystem::last_write_time(file, failed);
-  return failed ? "" : std::to_string(bytes) + " bytes of " + std::to_string(written.time_since_epoch().count());
+  struct stat facts {};
+  if (stat(file.c_str(), &facts) != 0) return "";
+  return "file " + std::to_string(facts.st_ino) + ", " + std::to_string(facts.st_size) + " bytes of " + std::to_string(facts.st_mtim.tv_sec) + "." + std::to_string(facts.st_mtim.tv_nsec);
 }
 
 }  // namespace warpscope

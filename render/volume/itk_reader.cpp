@@ -242,10 +242,36 @@ Header readHeader(const std::filesystem::path& path) {
   return header;
 }
 
+/// Why several processes cannot each read rows of voxels from where they lie, nor one that has no room for all; empty: they can.
+std::string whyNotByRows(const std::filesystem::path& path, const Header& header) {
+  const Payload& payload = header.payload;
+  const VolumeFormat format = formatOf(path).value_or(VolumeFormat::raw);
+  if (format != VolumeFormat::nifti && format != VolumeFormat::nrrd && format != VolumeFormat::metaImage) return "several processes share raw, NIfTI, NRRD and MetaImage volumes alone";
+  if (payload.encoding != Payload::Encoding::plain || payload.skipBytes > 0)
+    return "several processes share volumes whose voxels are not compressed and lie in one file as they are; this one is to be written so first";
+  if (payload.storedType.value_or(header.type) != header.type || payload.isDescending) return "its voxels are scaled to others, which several processes do not share";
+  if (payload.offsetBytes == 0 && std::filesystem::file_size(payload.file) != header.storedBytes) return "where its voxels begin is not certain enough for several processes";
+  if (format == VolumeFormat::metaImage && !payload.isBigEndian) return "in which order the bytes of its voxels are is not certain enough for several processes";
+  return "";
+}
+
+/// One whose rows can be read so.
+VolumePtr readByRows(const std::filesystem::path& path, const Header& header, const std::stop_token& stop, RanksPtr ranks) {
+  const Payload& payload = header.payload;
+  const bool isBigEndian = payload.isBigEndian.value_or(header.io->GetByteOrder() == itk::IOByteOrderEnum::BigEndian);
+  const bool isSwapped = sizeBytes(header.type) > 1 && isBigEndian != (std::endian::native == std::endian::big);
+  return makeSparseVolume(path.filename().string(), header.type, header.geometry, storedRows(payload.file, payload.offsetBytes, header.geometry.dims, sizeBytes(header.type), isSwapped), stop,
+                          std::move(ranks), stampOf(payload.file));
+}
+
 VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
   const std::string source = path.string();
   const Header header = readHeader(path);
   const auto& [payload, io, type, geometry, count, storedBytes] = header;
+  if (areTooManyToKeep(count * sizeBytes(type)) && whyNotByRows(path, header).empty()) {
+    requirePayload(path, payload, type, count, storedBytes, stop);
+    return readByRows(path, header, stop, nullptr);
+  }
   // The library behind NIfTI reads into memory of its own first.
   const bool isReadTwice = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer()) != nullptr;
   requireMemory(count * sizeBytes(type) + (isReadTwice ? storedBytes : 0), source + ": it");
@@ -266,23 +292,9 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
 }
 
 VolumePtr shareItkVolume(const std::filesystem::path& path, const std::stop_token& stop, RanksPtr ranks) {
-  const std::string source = path.string();
   const Header header = readHeader(path);
-  const Payload& payload = header.payload;
-  const VolumeFormat format = formatOf(path).value_or(VolumeFormat::raw);
-  if (format != VolumeFormat::nifti && format != VolumeFormat::nrrd && format != VolumeFormat::metaImage)
-    throw InputError(source + ": several processes share raw, NIfTI, NRRD and MetaImage volumes alone");
-  if (payload.encoding != Payload::Encoding::plain || payload.skipBytes > 0)
-    throw InputError(source + ": several processes share volumes whose voxels are not compressed and lie in one file as they are; this one is to be written so first");
-  if (payload.storedType.value_or(header.type) != header.type || payload.isDescending)
-    throw InputError(source + ": its voxels are scaled to others, which several processes do not share");
-  const uintmax_t held = std::filesystem::file_size(payload.file);
-  if (payload.offsetBytes == 0 && held != header.storedBytes) throw InputError(source + ": where its voxels begin is not certain enough for several processes");
-  if (format == VolumeFormat::metaImage && !payload.isBigEndian) throw InputError(source + ": in which order the bytes of its voxels are is not certain enough for several processes");
-  const bool isBigEndian = payload.isBigEndian.value_or(header.io->GetByteOrder() == itk::IOByteOrderEnum::BigEndian);
-  const bool isSwapped = sizeBytes(header.type) > 1 && isBigEndian != (std::endian::native == std::endian::big);
-  return makeSparseVolume(path.filename().string(), header.type, header.geometry, storedRows(payload.file, payload.offsetBytes, header.geometry.dims, sizeBytes(header.type), isSwapped), stop,
-                          std::move(ranks), stampOf(payload.file));
+  if (const std::string reason = whyNotByRows(path, header); !reason.empty()) throw InputError(path.string() + ": " + reason);
+  return readByRows(path, header, stop, std::move(ranks));
 }
 
 /// The reason that an exception gives, and what was said besides.

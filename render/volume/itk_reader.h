@@ -12,7 +12,7 @@ namespace warpscope {
 /// become one slice); vectors, colours, complex numbers, several time points and 64-bit integers are refused. World
 /// axes are ITK's: left, posterior, superior. Negative spacing turns its axis round; zero spacing is accepted for an
 /// axis of one voxel only. Throws InputError that says what is wrong; OperationCancelled if `stop` is set, which ITK
-/// itself does not look at.
+/// itself does not look at. What is too large for the limit of memory is read by rows, as shared volumes are, where it can be.
 VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop);
 
 /// The same volume for ranks that share it: each reads what it is asked for. Files whose voxels lie there as they are, in one piece and not compressed: NIfTI, NRRD,

@@ -7,12 +7,12 @@
 #include <tuple>
 
 #include "render/base/looked_through.h"
-#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/core/simd.h"
 #include "render/core/visible_bins.h"
 #include "render/volume/cell_distances.h"
+#include "render/volume/kept_slices.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
@@ -75,49 +75,58 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     const Voxel* voxels = volume.voxelsAs<Voxel>();
     const size_t rows = size_t(dims_.y) * dims_.z;
     const auto [firstRow, endRow] = shareOf(volume.ranks(), rows);
-    if (firstRow < endRow) {
+    if (volume.ranks() && firstRow < endRow) {
       const auto first = static_cast<uint32_t>(firstRow / static_cast<size_t>(dims_.y)), last = static_cast<uint32_t>((endRow - 1) / static_cast<size_t>(dims_.y));
       const auto edge = static_cast<uint32_t>(edge_);
       volume.provide({{0, first * edge}, {volume.dims().y, std::min((last + 1) * edge + 1, volume.dims().z)}});
     }
     const size_t rowBytes = volume.sizeBytes() / rows;  // about
     beginLooking((endRow - firstRow) * rowBytes);
-    parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
-      for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
-        keepWithinMemoryLimit();
-        noteLooked(rowBytes);
-        const int cy = static_cast<int>(row % dims_.y);
-        const int cz = static_cast<int>(row / dims_.y);
-        for (int cx = 0; cx < dims_.x; ++cx) {
-          const glm::ivec3 first = glm::ivec3(cx, cy, cz) * edge_;
-          const glm::ivec3 last = glm::min(first + edge_, n - 1);
-          bool any = false;
-          Voxel lowest = std::numeric_limits<Voxel>::max();
-          Voxel highest = std::numeric_limits<Voxel>::lowest();
-          for (int z = first.z; z <= last.z; ++z)
-            for (int y = first.y; y <= last.y; ++y) {
-              const Voxel* line = voxels + (size_t(z) * n.y + y) * n.x;
-              for (int x = first.x; x <= last.x; ++x) {
-                if (!isFiniteVoxel(line[x])) continue;
-                any = true;
-                lowest = std::min(lowest, line[x]);
-                highest = std::max(highest, line[x]);
-              }
+    const auto findRow = [&](size_t row) {
+      keepWithinMemoryLimit();
+      noteLooked(rowBytes);
+      const int cy = static_cast<int>(row % dims_.y);
+      const int cz = static_cast<int>(row / dims_.y);
+      for (int cx = 0; cx < dims_.x; ++cx) {
+        const glm::ivec3 first = glm::ivec3(cx, cy, cz) * edge_;
+        const glm::ivec3 last = glm::min(first + edge_, n - 1);
+        bool any = false;
+        Voxel lowest = std::numeric_limits<Voxel>::max();
+        Voxel highest = std::numeric_limits<Voxel>::lowest();
+        for (int z = first.z; z <= last.z; ++z)
+          for (int y = first.y; y <= last.y; ++y) {
+            const Voxel* line = voxels + (size_t(z) * n.y + y) * n.x;
+            for (int x = first.x; x <= last.x; ++x) {
+              if (!isFiniteVoxel(line[x])) continue;
+              any = true;
+              lowest = std::min(lowest, line[x]);
+              highest = std::max(highest, line[x]);
             }
-          if (!any) continue;
-          const size_t cell = row * dims_.x + cx;
-          if constexpr (kRounds<Voxel>) {
-            ranges->lowest[cell] = static_cast<double>(lowest);
-            ranges->highest[cell] = static_cast<double>(highest);
-          } else {
-            ranges->lowest[cell] = interpolant(lowest, scale);
-            ranges->highest[cell] = interpolant(highest, scale);
           }
+        if (!any) continue;
+        const size_t cell = row * dims_.x + cx;
+        if constexpr (kRounds<Voxel>) {
+          ranges->lowest[cell] = static_cast<double>(lowest);
+          ranges->highest[cell] = static_cast<double>(highest);
+        } else {
+          ranges->lowest[cell] = interpolant(lowest, scale);
+          ranges->highest[cell] = interpolant(highest, scale);
         }
       }
-    });
-    if (volume.ranks())
+    };
+    const auto findRows = [&](size_t first, size_t end) {
+      parallelForRanges(end - first, 4, [&](size_t begin, size_t last) {
+        for (size_t row = first + begin; row < first + last; ++row) findRow(row);
+      });
+    };
+    if (volume.ranks()) {
+      findRows(firstRow, endRow);
       for (std::vector<Number>* const numbers : {&ranges->lowest, &ranges->highest}) gatherRows(*numbers, firstRow, endRow, *volume.ranks());
+    } else {
+      const auto edge = static_cast<uint32_t>(edge_);
+      const auto perSlice = static_cast<size_t>(dims_.y);
+      forKeptSlices(volume, {.edge = edge, .beyond = 1}, {}, [&](uint32_t first, uint32_t end) { findRows(first / edge * perSlice, (end + edge - 1) / edge * perSlice); });
+    }
     if constexpr (kRounds<Voxel>) {
       ofVoxels_ = std::move(ranges);
       findRanges();

@@ -11,6 +11,7 @@
 #include "render/base/error.h"
 #include "render/base/memory.h"
 #include "render/core/parallel.h"
+#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 namespace {
@@ -39,8 +40,11 @@ template <class Body>
 void forVoxels(const Volume& volume, const std::stop_token& stop, const Body& body) {
   visitVoxelType(volume.type(), [&](auto voxelTag) {
     const auto* const voxels = volume.voxelsAs<decltype(voxelTag)>();
-    parallelForRanges(volume.voxelCount(), kVoxelsAtOnce, stop, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) body(i, voxels[i]);
+    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
+    forKeptSlices(volume, {}, stop, [&](uint32_t first, uint32_t last) {
+      parallelForRanges((last - first) * slice, kVoxelsAtOnce, stop, [&](size_t begin, size_t end) {
+        for (size_t i = first * slice + begin; i < first * slice + end; ++i) body(i, voxels[i]);
+      });
     });
   });
 }

@@ -32,7 +32,8 @@ struct ShellBand {
 inline constexpr std::array<ShellBand, 4> kShellBands{{{44, 72}, {100, 128}, {156, 184}, {212, 250}}};
 
 /// Computes the named volume (8 bit, spacing 1) at `dims`. The same name, size and seed give the same voxels everywhere, whatever the
-/// number of threads. `ranks`: see Volume; each makes what it is asked for of it. Throws InputError for an unknown name or a size that `validate` refuses, OperationCancelled if `stop` is set.
+/// number of threads. `ranks`: see Volume; each makes what it is asked for of it, and so does this process of
+/// what is too large for the limit of memory. Throws InputError for an unknown name or a size that `validate` refuses, OperationCancelled if `stop` is set.
 VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed = 1, const std::stop_token& stop = {},
                                RanksPtr ranks = nullptr);
 

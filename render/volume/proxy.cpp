@@ -7,9 +7,9 @@
 #include <limits>
 #include <tuple>
 
-#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
+#include "render/volume/kept_slices.h"
 
 namespace warpscope {
 namespace {
@@ -40,6 +40,11 @@ glm::uvec3 dimsFor(const VolumeGeometry& geometry, int longest) {
   return dims;
 }
 
+/// Of the values that a voxel of the copy covers.
+struct Sum {
+  double values = 0.0, weights = 0.0;
+};
+
 }  // namespace
 
 Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, const std::stop_token& stop) {
@@ -65,7 +70,7 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const size_t rows = size_t{geometry.dims.z} * geometry.dims.y;
   size_t firstOfShare, endOfShare;
   std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), rows);
-  if (firstOfShare < endOfShare) {
+  if (volume.ranks() && firstOfShare < endOfShare) {
     const Coverage &first = alongZ[firstOfShare / geometry.dims.y], &last = alongZ[(endOfShare - 1) / geometry.dims.y];
     volume.provide({{0, first.first}, {fine.dims.y, last.first + static_cast<uint32_t>(last.weights.size())}}, stop);
   }
@@ -77,32 +82,67 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     using Voxel = decltype(tag);
     const Voxel* const in = volume.voxelsAs<Voxel>();
     const size_t strideY = fine.dims.x, strideZ = strideY * fine.dims.y;
-    parallelForRanges(endOfShare - firstOfShare, 1, stop, [&](size_t beginRow, size_t endRow) {
-      for (size_t row = firstOfShare + beginRow; row < firstOfShare + endRow; ++row) {
-        keepWithinMemoryLimit();
-        const Coverage& ofY = alongY[row % geometry.dims.y];
-        const Coverage& ofZ = alongZ[row / geometry.dims.y];
-        for (uint32_t x = 0; x < geometry.dims.x; ++x) {
-          const Coverage& ofX = alongX[x];
-          double sum = 0.0, weights = 0.0;
-          for (size_t k = 0; k < ofZ.weights.size(); ++k)
-            for (size_t j = 0; j < ofY.weights.size(); ++j) {
-              const Voxel* const line = in + (ofZ.first + k) * strideZ + (ofY.first + j) * strideY + ofX.first;
-              const double ofLine = static_cast<double>(ofZ.weights[k]) * static_cast<double>(ofY.weights[j]);
-              for (size_t i = 0; i < ofX.weights.size(); ++i) {
-                const double value = static_cast<double>(line[i]);
-                if (!std::isfinite(value)) continue;
-                const double weight = ofLine * static_cast<double>(ofX.weights[i]);
-                sum += weight * (value * smaller);
-                weights += weight;
-              }
+    // What slices [first, end) give to a row.
+    const auto add = [&](size_t row, uint32_t first, uint32_t end, Sum* sums) {
+      keepWithinMemoryLimit();
+      const Coverage& ofY = alongY[row % geometry.dims.y];
+      const Coverage& ofZ = alongZ[row / geometry.dims.y];
+      for (uint32_t x = 0; x < geometry.dims.x; ++x) {
+        const Coverage& ofX = alongX[x];
+        Sum sum = sums[x];
+        for (size_t k = 0; k < ofZ.weights.size(); ++k) {
+          if (ofZ.first + k < first || ofZ.first + k >= end) continue;
+          for (size_t j = 0; j < ofY.weights.size(); ++j) {
+            const Voxel* const line = in + (ofZ.first + k) * strideZ + (ofY.first + j) * strideY + ofX.first;
+            const double ofLine = static_cast<double>(ofZ.weights[k]) * static_cast<double>(ofY.weights[j]);
+            for (size_t i = 0; i < ofX.weights.size(); ++i) {
+              const double value = static_cast<double>(line[i]);
+              if (!std::isfinite(value)) continue;
+              const double weight = ofLine * static_cast<double>(ofX.weights[i]);
+              sum.values += weight * (value * smaller);
+              sum.weights += weight;
             }
-          uint8_t code = 0;
-          if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(sum / weights / smaller), scale.hasMissing ? 1.0 : 0.0, 255.0)));
-          (*voxels)[(row - firstOfShare) * geometry.dims.x + x] = code;
+          }
         }
+        sums[x] = sum;
       }
-    });
+    };
+    const auto finish = [&](size_t row, const Sum* sums) {
+      for (uint32_t x = 0; x < geometry.dims.x; ++x) {
+        const auto& [values, weights] = sums[x];
+        uint8_t code = 0;
+        if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(values / weights / smaller), scale.hasMissing ? 1.0 : 0.0, 255.0)));
+        (*voxels)[(row - firstOfShare) * geometry.dims.x + x] = code;
+      }
+    };
+    const auto makeRows = [&](size_t first, size_t end) {
+      parallelForRanges(end - first, 1, stop, [&](size_t begin, size_t last) {
+        std::vector<Sum> sums(geometry.dims.x);
+        for (size_t row = first + begin; row < first + last; ++row) {
+          std::ranges::fill(sums, Sum{});
+          add(row, 0, fine.dims.z, sums.data());
+          finish(row, sums.data());
+        }
+      });
+    };
+    const uint32_t kept = slicesKept(volume);
+    if (kept == fine.dims.z) return makeRows(firstOfShare, endOfShare);
+    // The copy's slices each, of which one may cover more slices than are kept.
+    for (uint32_t slice = 0; slice < geometry.dims.z; ++slice) {
+      const uint32_t first = alongZ[slice].first, end = first + static_cast<uint32_t>(alongZ[slice].weights.size());
+      std::vector<Sum> sums(size_t{geometry.dims.y} * geometry.dims.x);
+      const auto forRows = [&](const auto& body) {
+        parallelForRanges(geometry.dims.y, 1, stop, [&](size_t begin, size_t last) {
+          for (size_t y = begin; y < last; ++y) body(size_t{slice} * geometry.dims.y + y, &sums[y * geometry.dims.x]);
+        });
+      };
+      for (uint32_t at = first; at < end; at += std::min(kept, end - at)) {
+        const uint32_t next = at + std::min(kept, end - at);
+        const auto held = volume.hold({{0, at}, {fine.dims.y, next}}, stop);
+        forRows([&](size_t row, Sum* ofRow) { add(row, at, next, ofRow); });
+      }
+      forRows(finish);
+    }
   });
   if (volume.ranks()) volume.ranks()->allGather(*voxels);
   const void* const data = voxels->data();

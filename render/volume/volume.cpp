@@ -14,10 +14,10 @@
 
 #include "render/base/error.h"
 #include "render/base/looked_through.h"
-#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/core/placed_hash.h"
+#include "render/volume/kept_slices.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
@@ -72,12 +72,28 @@ constexpr size_t kGrain = 1 << 18;
 
 using Histogram = std::array<size_t, 256>;
 
-/// Voxels that are scanned here.
+/// Voxels that are scanned here: all of a volume, or, where ranks have it, a share, which is there.
 template <class T>
 struct Scanned {
+  const Volume& volume;
   const T* voxels;
   size_t count;
   Ranks* ranks;  ///< null: these are all
+
+  /// Calls `body(begin, end)` for pieces of them, in parallel.
+  template <class Body>
+  void visit(const std::stop_token& stop, const Body& body) const {
+    const auto visitPiece = [&](size_t first, size_t last) {
+      parallelForRanges(last - first, kGrain, stop, [&](size_t begin, size_t end) {
+        keepWithinMemoryLimit();
+        noteLooked((end - begin) * sizeof(T));
+        body(first + begin, first + end);
+      });
+    };
+    if (ranks != nullptr) return visitPiece(0, count);
+    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
+    forKeptSlices(volume, {}, stop, [&](uint32_t first, uint32_t end) { visitPiece(first * slice, end * slice); });
+  }
 };
 
 /// The sum of what all ranks have counted.
@@ -94,11 +110,7 @@ Histogram summed(const Histogram& own, Ranks* ranks) {
 template <class T, class Count>
 Histogram gatherHistogram(const Scanned<T>& scanned, const std::stop_token& stop, const Count& count) {
   tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
-  parallelForRanges(scanned.count, kGrain, stop, [&](size_t begin, size_t end) {
-    keepWithinMemoryLimit();
-    noteLooked((end - begin) * sizeof(T));
-    count(partial.local(), begin, end);
-  });
+  scanned.visit(stop, [&](size_t begin, size_t end) { count(partial.local(), begin, end); });
   Histogram sum{};
   for (const Histogram& local : partial)
     for (size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += local[bin];
@@ -133,7 +145,6 @@ VoxelStatistics gatherStatistics(const Scanned<uint8_t>& scanned, const std::sto
 template <class T>
 VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_token& stop) {
   const T* const voxels = scanned.voxels;
-  const size_t count = scanned.count;
   struct Extremes {
     T lowest = std::numeric_limits<T>::max();
     T highest = std::numeric_limits<T>::lowest();
@@ -147,9 +158,7 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
     }
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
-  parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
-    keepWithinMemoryLimit();
-    noteLooked((end - begin) * sizeof(T));
+  scanned.visit(stop, [&](size_t begin, size_t end) {
     Extremes local = partialExtremes.local();
     for (size_t i = begin; i < end; ++i) {
       const T voxel = voxels[i];
@@ -162,7 +171,7 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
   });
   Extremes all;
   for (const Extremes& local : partialExtremes) all.include(local);
-  all.scanned = count;
+  all.scanned = scanned.count;
   if (scanned.ranks != nullptr) {
     std::vector<Extremes> ofRanks{all};
     scanned.ranks->allGather(ofRanks);
@@ -204,14 +213,21 @@ VoxelRows rowsFrom(size_t begin, size_t end, const glm::uvec3& dims) {
   return {{static_cast<uint32_t>(begin % dims.y), first}, {static_cast<uint32_t>(end - size_t{first} * dims.y), last}};
 }
 
-/// Of all voxels, of which somebody has said that they will be looked at; reads them in pieces.
-uint64_t hashOfAll(const Volume& volume, const std::stop_token& stop) {
-  constexpr size_t kPieceBytes = 32 << 20, kWord = sizeof(uint64_t);
+/// Who reads the same file, of which each looks at a share.
+struct Readers {
+  size_t place = 0, count = 1;  ///< this one's among them
+};
+
+constexpr size_t kHashedBytes = 32 << 20;  // in a piece
+
+/// Of every so many pieces of the voxels one, of which somebody has said that they will be looked at. The readers' sum is that of all voxels.
+uint64_t hashOfShare(const Volume& volume, const Readers& readers, const std::stop_token& stop) {
+  constexpr size_t kWord = sizeof(uint64_t);
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
   const size_t rowBytes = volume.dims().x * sizeBytes(volume.type());
   std::atomic<uint64_t> sum = 0;
-  for (size_t begin = 0; begin < volume.sizeBytes(); begin += kPieceBytes) {
-    const size_t end = std::min(begin + kPieceBytes, volume.sizeBytes());
+  for (size_t begin = readers.place * kHashedBytes; begin < volume.sizeBytes(); begin += readers.count * kHashedBytes) {
+    const size_t end = std::min(begin + kHashedBytes, volume.sizeBytes());
     volume.provide(rowsFrom(begin / rowBytes, (end + rowBytes - 1) / rowBytes, volume.dims()), stop);
     parallelForRanges((end - begin + kWord - 1) / kWord, kGrain, stop, [&](size_t first, size_t last) {
       keepWithinMemoryLimit();
@@ -230,7 +246,7 @@ uint64_t hashOfAll(const Volume& volume, const std::stop_token& stop) {
   return sum;
 }
 
-/// What ranks have is the same: size, type, place; voxels here and there, where they come from one file, or copies of one date; else all of them.
+/// What ranks have is the same: size, type, place; voxels here and there, where they come from one file; else, from copies of it too, all of them.
 /// `bytesAfterwards`: that will be looked at when that is done.
 void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint64_t bytesAfterwards, const std::stop_token& stop) {
   const VolumeGeometry& geometry = volume.geometry();
@@ -240,10 +256,18 @@ void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint6
   const std::string what = volume.name() + ": voxels";
   const std::vector<std::vector<std::byte>> stamps = volume.ranks()->allGather(std::as_bytes(std::span<const char>(stamp)));
   const bool isCertain = !stamps.front().empty() && std::ranges::adjacent_find(stamps, std::ranges::not_equal_to()) == stamps.end();
-  beginLooking((isCertain ? 0 : volume.sizeBytes()) + bytesAfterwards);  // all at once, so that what is left never grows
+  const auto own = stamps.begin() + volume.ranks()->rank();
+  Readers readers;
+  if (!own->empty()) readers = {static_cast<size_t>(std::count(stamps.begin(), own, *own)), static_cast<size_t>(std::ranges::count(stamps, *own))};
+  beginLooking((isCertain ? 0 : volume.sizeBytes() / readers.count) + bytesAfterwards);  // all at once, so that what is left never grows
   if (!isCertain) {
-    const uint64_t hash = hashOfAll(volume, stop);
-    return volume.ranks()->requireSame(std::as_bytes(std::span(&hash, 1)), what);
+    std::vector<uint64_t> hashes{hashOfShare(volume, readers, stop)};
+    volume.ranks()->allGather(hashes);
+    const uint64_t hash = hashes[static_cast<size_t>(volume.ranks()->rank())];
+    uint64_t sum = own->empty() ? hash : 0;  // without a stamp it has read all by itself
+    for (size_t rank = 0; !own->empty() && rank < hashes.size(); ++rank)
+      if (stamps[rank] == *own) sum += hashes[rank];
+    return volume.ranks()->requireSame(std::as_bytes(std::span(&sum, 1)), what);
   }
   constexpr size_t kLooks = 64, kBytes = 512;
   std::vector<std::byte> seen;
@@ -277,8 +301,8 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
     requireSameEverywhere(*this, source_ ? source_->stamp() : "", bytes, stop);
   else
     beginLooking(bytes);
-  if (share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
-  visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
+  if (ranks_ && share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
+  visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{*this, voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 
 }  // namespace warpscope

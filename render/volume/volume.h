@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -86,9 +87,15 @@ class VoxelSource {
   /// The voxels of these rows are in their places from now on, until they are released. Throws InputError where they cannot be read, OperationCancelled if `stop` is set.
   /// Not while others read voxels.
   virtual void provide(const VoxelRows& rows, const std::stop_token& stop) = 0;
+  /// As provide(), for whoever looks at some rows after the other: others' memory is let go of where there is no room for all. They stay as long as what is returned is kept;
+  /// nobody else holds any meanwhile, where the same thread is never to ask twice.
+  virtual std::unique_lock<std::mutex> hold(const VoxelRows& rows, const std::stop_token& stop) {
+    provide(rows, stop);
+    return {};
+  }
   /// No voxel is needed for now: their memory is let go of. Not while others read voxels.
   virtual void release() = 0;
-  /// Where two processes have the same here, they read the same voxels: a file's size and date. Empty: nothing but the voxels tells.
+  /// Where two processes have the same here, they read the same voxels: file_stamp.h. Empty: nothing but the voxels tells.
   virtual std::string stamp() const { return ""; }
 };
 
@@ -117,6 +124,10 @@ class Volume {
   /// Whoever reads voxels of a volume that ranks share asks for them first, and lets go of them: VoxelSource. Elsewhere nothing is to be done.
   void provide(const VoxelRows& rows, const std::stop_token& stop = {}) const {
     if (source_) source_->provide(rows, stop);
+  }
+  /// VoxelSource::hold().
+  std::unique_lock<std::mutex> hold(const VoxelRows& rows, const std::stop_token& stop = {}) const {
+    return source_ ? source_->hold(rows, stop) : std::unique_lock<std::mutex>();
   }
   void releaseVoxels() const {
     if (source_) source_->release();
