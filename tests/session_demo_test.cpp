@@ -8,7 +8,21 @@
 namespace warpscope {
 namespace {
 
-using SessionDemoTest = SessionTest;
+class SessionDemoTest : public SessionTest {
+ protected:
+  /// Until its camera moves.
+  testing::AssertionResult show(const Demo& demo) {
+    demo_.start(demo, session_, history_);
+    const bool isGoing = pumpUntil([&] {
+      demo_.follow(session_, history_, false, clock_.now());
+      return session_.motion().motion() == demo.motion;
+    });
+    return isGoing ? testing::AssertionSuccess() : testing::AssertionFailure() << demo.name << " does not begin";
+  }
+
+  EditHistory history_;
+  RunningDemo demo_;
+};
 
 TEST_F(SessionDemoTest, EachShowsItsTechniquesBehindItsLink) {
   ASSERT_TRUE(open("block"));
@@ -16,7 +30,7 @@ TEST_F(SessionDemoTest, EachShowsItsTechniquesBehindItsLink) {
   EXPECT_EQ(demos().front().link, "satellite");
   for (const Demo& demo : demos()) {
     SCOPED_TRACE(demo.name);
-    startDemo(demo, session_);
+    ASSERT_TRUE(show(demo));
     ASSERT_EQ(session_.panelCount(), demo.techniques.size());
     for (size_t i = 0; i < demo.techniques.size(); ++i) EXPECT_EQ(session_.panel(i).technique->name, demo.techniques[i]);
     EXPECT_EQ(session_.motion().motion(), demo.motion);
@@ -47,9 +61,8 @@ TEST_F(SessionDemoTest, AfterOneAllIsAsItWas) {
   const View view = session_.view();
   std::vector<const WarpDescriptor*> techniques;
   for (size_t i = 0; i < session_.panelCount(); ++i) techniques.push_back(session_.panel(i).technique);
-  const BeforeDemo before = beforeDemo(session_);
-  for (const Demo& demo : demos()) startDemo(demo, session_);
-  endDemo(before, session_);
+  for (const Demo& demo : demos()) ASSERT_TRUE(show(demo));
+  demo_.end(session_, history_);
   ASSERT_EQ(session_.panelCount(), techniques.size());
   for (size_t i = 0; i < techniques.size(); ++i) EXPECT_EQ(session_.panel(i).technique, techniques[i]);
   EXPECT_EQ(session_.panel(techniques.size() - 1).content, PictureContent::depth);
@@ -61,12 +74,12 @@ TEST_F(SessionDemoTest, AfterOneAllIsAsItWas) {
   EXPECT_TRUE(session_.knobs().isFrozen);
   EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
   // In another scene its first view is as good as any.
-  startDemo(demos().front(), session_);
+  ASSERT_TRUE(show(demos().front()));
   session_.setMotion(CameraMotion::none);
   ASSERT_TRUE(open("shells"));
   const View first = session_.view();
   turn(session_, 20.0);
-  endDemo(before, session_);
+  demo_.end(session_, history_);
   EXPECT_EQ(session_.view(), first);
 }
 

@@ -39,7 +39,7 @@ void showAsked(const ReplayOptions& options, std::vector<ReplayColumn>& columns)
     throw UsageError("--show: one for all, or one for each of the " + std::to_string(columns.size()) + " techniques, not " + std::to_string(count));
   for (size_t i = 0; i < columns.size() && count > 0; ++i) {
     columns[i].content = choose("content", options.contents[count > 1 ? i : 0], pictureContents());
-    columns[i].range = options.range;
+    columns[i].range.reset();  // that of what was on show
   }
   if (!options.range) return;
   requireRange(*options.range, kContentRange, "--range");

@@ -64,7 +64,7 @@ SceneOrigin fromAnywhere(SceneOrigin origin) {
   return origin;
 }
 
-/// What the options say of the panels. `knobs`: of techniques, for all panels but the first of several, which is what they are compared with.
+/// What the options say of the panels. `knobs`: of techniques, for those that take options.
 std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues& knobs) {
   std::vector<std::string> names = options.panels;
   if (names.empty()) names.assign(kUsualPanels.begin(), kUsualPanels.end());
@@ -76,7 +76,7 @@ std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues
     PanelSettings& panel = panels.emplace_back();
     panel.isAutomatic = name == "auto";
     panel.technique = &findWarp(panel.isAutomatic ? "splats" : name);
-    if (panels.size() > 1 || names.size() == 1) panel.knobs = knobs;
+    if (takesOptions(panels.size() - 1, names.size())) panel.knobs = knobs;
   }
   return panels;
 }

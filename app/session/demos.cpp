@@ -59,14 +59,6 @@ bool isDrawable(const Session& session) {
   return true;
 }
 
-}  // namespace
-
-void startDemo(const Demo& demo, Session& session) {
-  setUpPanels(demo, session);
-  session.resetView();
-  setGoing(demo, session);
-}
-
 BeforeDemo beforeDemo(const Session& session) {
   BeforeDemo before{.panels = {}, .ownViews = {}, .view = session.view(), .scene = session.sceneCount(), .link = session.knobs().transport.link, .frameKib = session.knobs().transport.frameKib, .isFrozen = session.knobs().isFrozen};
   for (size_t i = 0; i < session.panelCount(); ++i) {
@@ -94,6 +86,8 @@ void endDemo(const BeforeDemo& before, Session& session) {
   knobs.isFrozen = before.isFrozen;
   session.setKnobs(knobs);
 }
+
+}  // namespace
 
 void RunningDemo::start(const Demo& demo, Session& session, const EditHistory& history) {
   if (!before_ || scene_ != session.sceneCount()) depthBefore_ = history.depth();

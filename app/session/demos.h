@@ -26,9 +26,6 @@ struct Demo {
 /// The first is what a first start shows.
 std::span<const Demo> demos();
 
-/// Sets panels, link and motion up; the scene and all other knobs stay as they are.
-void startDemo(const Demo& demo, Session& session);
-
 /// What a demonstration changes.
 struct BeforeDemo {
   std::vector<PanelSettings> panels;
@@ -39,11 +36,8 @@ struct BeforeDemo {
   int frameKib = 0;
   bool isFrozen = false;
 };
-BeforeDemo beforeDemo(const Session& session);
-/// All of that again, and a camera that stands still.
-void endDemo(const BeforeDemo& before, Session& session);
 
-/// A demonstration on show. Its panels come first, without a link, and link and motion when there is a frame that has what they draw: by the link's own time the
+/// A demonstration on show: panels, link and motion; the scene and all other knobs stay as they are. Its panels come first, without a link, and link and motion when there is a frame that has what they draw: by the link's own time the
 /// first pictures would be black until then. Who changes something meanwhile has what he wanted, and they do not come.
 class RunningDemo {
  public:
@@ -54,7 +48,7 @@ class RunningDemo {
   bool isOn() const { return before_.has_value(); }
   /// Whether the last thing that was done is that it began, so that it can be taken back as a whole.
   bool isLast(const Session& session, const EditHistory& history) const;
-  /// Back to what was; only where isOn(). Taken back as a whole it leaves no step.
+  /// Back to what was, with a camera that stands still; only where isOn(). Taken back as a whole it leaves no step.
   void end(Session& session, EditHistory& history);
   /// What it changed stays.
   void forget() { *this = {}; }

@@ -31,6 +31,9 @@ struct PanelSettings {
   bool isHidden = false;                                 ///< nothing is drawn for it: another one has its room
 };
 
+/// Whether a command's options of techniques' knobs are for this one of so many panels: the first of several is what the others are compared with.
+inline bool takesOptions(size_t panel, size_t panels) { return panel > 0 || panels == 1; }
+
 struct Panel : PanelSettings {
   uint64_t id = 0;                              ///< of all panels that a session has had, this one's alone
   ShownPicture picture;                         ///< none until the first is there; stays until the next

@@ -250,14 +250,16 @@ void restore(const SessionFile& file, Session& session, const OriginOpener& open
 
 namespace {
 
-/// Whether options say all that is on show. A recording says itself what they would; of cameras, contents and edits of the transfer function there are none, and techniques' knobs are those of all panels
-/// but the first of several.
+/// Whether options say all that is on show. A recording says itself what they would; of cameras, contents and edits of the transfer function there are none, and of techniques' knobs one set.
 bool areOptionsEnough(const SessionFile& file, const Session& session) {
   const LiveSettings usual;
   const bool isView = file.arrangement.view == session.scene()->views.front() && std::ranges::none_of(file.arrangement.ownViews, &std::optional<View>::has_value);
   const auto isPlain = [](const PanelSettings& panel) { return panel.content == PictureContent::picture; };
   const KnobValues ofOthers = file.panels.back().knobs;
-  const auto hasKnobs = [&](const PanelSettings& panel) { return toJson(panel.knobs) == toJson(&panel == &file.panels.front() && file.panels.size() > 1 ? KnobValues{} : ofOthers); };
+  const auto hasKnobs = [&](const PanelSettings& panel) {
+    const auto place = static_cast<size_t>(&panel - file.panels.data());
+    return panel.knobs == (takesOptions(place, file.panels.size()) ? ofOthers : KnobValues{});
+  };
   return !session.playback().isOpen() && isView && !session.hasOwnFunction() && std::ranges::all_of(file.panels, isPlain) && std::ranges::all_of(file.panels, hasKnobs) &&
          file.knobs.serverSidePx == usual.serverSidePx && file.knobs.screenPixels == usual.screenPixels;
 }
@@ -287,7 +289,7 @@ std::string optionsFor(const SessionFile& file, const Session& session) {
     if (row.get(knobs.march) != row.get(usual) && !row.knob->option.empty()) add(row.knob->option, textOf(*row.knob, row.get(knobs.march)));
   for (const MarchText& text : marchTexts())
     if (text.get(knobs.march) != text.get(usual)) add(text.option, text.get(knobs.march));
-  // Techniques' knobs are, as options, those of all panels but the first.
+  // The last panel takes them.
   for (const Knob* knob : warpKnobs()) {
     const double value = knob->isOfPanel ? file.panels.back().knobs[*knob] : knobs.warp.knobs[*knob];
     if (value != knob->defaultValue && !knob->option.empty()) add(knob->option, textOf(*knob, value));

@@ -67,7 +67,7 @@ struct KnobAxis {
 struct Knob {
   std::string_view key;      ///< in JSON, CSV, scene files and on the wire: "pointSize"
   std::string_view option{}; ///< on the command line: "--point-size"; empty: none
-  std::string_view label{};  ///< beside its widget: "Points"; empty: it has none
+  std::string_view label{};  ///< beside its widget: "Point size"; empty: it has none
   std::string_view noun;     ///< in sentences: "point size"
   std::string_view help;     ///< one sentence without its full stop: what it does; where that is from
   std::string_view unit{};   ///< behind a value: " px"; with its blank, if there is to be one

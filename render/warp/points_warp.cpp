@@ -109,7 +109,7 @@ constexpr const Knob* kPointsKnobs[] = {&kPointSizeKnob};
 constinit const Knob kPointSizeKnob{
     .key = "pointSize",
     .option = "--point-size",
-    .label = "Points",
+    .label = "Point size",
     .noun = "point size",
     .help = "Edge of a point in pixels of its picture (Zellmann, Aumueller, Lang 2012)",
     .unit = " px",
