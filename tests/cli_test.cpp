@@ -378,7 +378,7 @@ TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
   within("c.png", {"--mode", "isosurface", "--isovalues", "9000"});
   within("d.png", {"--shading", "1", "--shadows", "1", "--light-grid", "64"});
   expectRefused({"shot", name, "--size", "256x256", "--ray", "128,128", "--memory", std::to_string(limit)}, kFailure, {name, "a ray is looked at as a whole", "--memory is to be at least 3200 "});
-  expectRefused(shot("e.png", "128"), kFailure, {name, "the limit of 128 MiB of memory cannot be kept to: what is read of it at once takes "});
+  expectRefused(shot("e.png", "128"), kFailure, {name, "the limit of 128 MiB of memory cannot be kept to: with what is looked at at once it takes "});
   expectRefused(shot("e.png", "127"), kUsage, {"--memory must be between 128 and"});
   expectRefused({"shot", name, "--device-memory", "0", "-o", "e.png"}, kUsage, {"--device-memory must be between 64 and"});
   // The same voxels under a header, which are read by rows; those of a format whose rows are not certain have to fit.
@@ -397,9 +397,9 @@ TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
 
 TEST_F(CommandLine, ABuiltInVolumeLargerThanTheMemoryItMayTakeIsMadeSlabBySlab) {
   const auto shot = [](const std::string& picture, const std::string& memory) {
-    return Arguments{"shot", "marschner-lobb", "--volume-size", "300x300x2000", "--size", "200x200", "--technique", "segments", "-o", picture, "--memory", memory};
+    return Arguments{"shot", "marschner-lobb", "--volume-size", "300x300x3600", "--size", "200x200", "--technique", "segments", "-o", picture, "--memory", memory};
   };
-  constexpr int kLimit = 200;
+  constexpr int kLimit = 300;
   const ProgramResult limited = run(shot("a.png", std::to_string(kLimit))), alone = run(shot("b.png", "1e6"));
   EXPECT_EQ(limited.code, kSuccess) << limited.err;
   EXPECT_LT(limited.peakKiB, kLimit * 1024);

@@ -5,15 +5,19 @@
 #include <atomic>
 #include <cstring>
 #include <random>
+#include <stop_token>
+#include <thread>
+#include <vector>
 
 #include "marcher_cases.h"
 #include "reader_fixture.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/march/streamed_marcher.h"
-#include "render/volume/kept_slices.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/procedural.h"
+#include "render/volume/proxy.h"
 #include "render/volume/sparse_voxels.h"
+#include "slab_volume.h"
 #include "spread_volume.h"
 #include "test_volumes.h"
 
@@ -234,7 +238,7 @@ TEST(SparseVoxels, WhoHoldsRowsHasThemAloneAndOthersAreLetGoOfWhereMemoryIsLimit
     for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z)
       for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y, ++made) std::memset(first + (size_t{z} * 64 + y) * 64, static_cast<int>(z + 1), 64);
   };
-  SparseVoxels kept(geometry, VoxelType::uint8, fill), limited(geometry, VoxelType::uint8, fill, "", true);
+  SparseVoxels kept(geometry, VoxelType::uint8, fill), limited(geometry, VoxelType::uint8, fill, "", 10);
   const auto madeBy = [&](SparseVoxels& voxels, const VoxelRows& rows) {
     made = 0;
     const std::unique_lock<std::mutex> held = voxels.hold(rows, {});
@@ -254,47 +258,53 @@ TEST(SparseVoxels, WhoHoldsRowsHasThemAloneAndOthersAreLetGoOfWhereMemoryIsLimit
   EXPECT_EQ(madeBy(limited, {{0, 0}, {64, 10}}), 512u);
   EXPECT_EQ(madeBy(limited, {{5, 9}, {7, 11}}), 2u) << "and some rows of the one beside it are none";
   EXPECT_EQ(static_cast<const uint8_t*>(limited.voxels())[0], 0) << "is not in memory any more";
+  EXPECT_THROW(limited.hold({{0, 0}, {64, 13}}, {}), InputError) << "two more than are kept are charged";
+  const std::unique_lock<std::mutex> held = limited.hold({{0, 0}, {64, 3}}, {});
+  std::stop_source stop;
+  std::thread waiting([&] { EXPECT_THROW(limited.hold({{0, 0}, {64, 3}}, stop.get_token()), OperationCancelled); });
+  stop.request_stop();
+  waiting.join();
 }
 
 /// One that a limit of memory has no room for: whatever is found out of all of its voxels is what is found out of them in memory.
 TEST(SparseVoxels, AVolumeMadeSlabBySlabIsTheWholeOne) {
-  VolumeGeometry geometry;
-  geometry.dims = {256, 200, 2400};
-  const auto value = [](uint32_t x, uint32_t y, uint32_t z) { return static_cast<uint8_t>((x * 3 + y * 5) ^ (z / 7)); };
-  const auto fill = [&](const VoxelRows& rows, std::byte* first, const std::stop_token& stop) {
-    parallelForRanges(rows.upper.y - rows.lower.y, 1, stop, [&](size_t begin, size_t end) {
-      for (size_t z = rows.lower.y + begin; z < rows.lower.y + end; ++z)
-        for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y)
-          for (uint32_t x = 0; x < 256; ++x) first[(z * 200 + y) * 256 + x] = std::byte{value(x, y, static_cast<uint32_t>(z))};
-    });
-  };
+  const SlabVolume volumes;
+  const Volume &whole = *volumes.whole(), &slabs = *volumes.slabs();
+  const uint32_t slices = whole.dims().z, kept = slicesKept(slabs);
+  ASSERT_EQ(slicesKept(whole), slices);
+  ASSERT_LT(kept, slices / 2) << "three slabs at least";
+  EXPECT_EQ(slabs.statistics().histogram, whole.statistics().histogram);
+  const Macrocells cells(whole, ValueScale{}), ofSlabs(slabs, ValueScale{});
+  EXPECT_EQ(std::memcmp(ofSlabs.lowest(), cells.lowest(), cells.count() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(ofSlabs.highest(), cells.highest(), cells.count() * sizeof(float)), 0);
+
   const TransferFunction function = band(200, 250, 0.05f);
-  const VolumePtr whole = makeTestVolume(VoxelType::uint8, geometry.dims, [&](const glm::ivec3& p) {
-    return value(static_cast<uint32_t>(p.x), static_cast<uint32_t>(p.y), static_cast<uint32_t>(p.z));
-  });
+  for (const int longest : {2, 7, 64}) {  // a voxel of the first copy covers more slices than are kept, those of others share some
+    SCOPED_TRACE(longest);
+    const Proxy expected = makeProxy(whole, function, longest), copy = makeProxy(slabs, function, longest);
+    ASSERT_EQ(copy.volume->dims(), expected.volume->dims());
+    EXPECT_EQ(std::memcmp(copy.volume->voxels(), expected.volume->voxels(), expected.volume->sizeBytes()), 0);
+  }
+
+  const MarcherPtr alone = makeCpuMarcher(volumes.whole(), function), marcher = makeFittingCpuMarcher(volumes.slabs(), function);
   MarchSettings settings;
   settings.sample.segments = 2;
   settings.sample.proxy = 12;
   settings.render.effects.shading.strength = 1.0f;
-  const Camera camera = lookingFrom({400.0f, 200.0f, 600.0f}, {}, 40, 31, 0.8f);
-  const SampleFrame expected = makeCpuMarcher(whole, function)->march(camera, settings);
-  const Macrocells cells(*whole, ValueScale{});
-
-  setMemoryLimit(residentMemory().bytes / 2 * 3 + (uint64_t{100} << 20));  // about the least that slabs of an eighth of it can be kept to
-  const VolumePtr limited = makeSparseVolume("it", VoxelType::uint8, geometry, fill, {}, nullptr);
-  const uint32_t kept = slicesKept(*limited);
-  const bool isEnough = kept < 1600;  // three slabs and more
-  const SampleFrame frame = makeFittingCpuMarcher(limited, function)->march(camera, settings);
-  const Macrocells limitedCells(*limited, ValueScale{});
-  setMemoryLimit(std::nullopt);
-  EXPECT_TRUE(isEnough) << kept;
-  EXPECT_EQ(limited->statistics().histogram, whole->statistics().histogram);
-  EXPECT_EQ(std::memcmp(limitedCells.lowest(), cells.lowest(), cells.count() * sizeof(float)), 0);
-  EXPECT_EQ(std::memcmp(limitedCells.highest(), cells.highest(), cells.count() * sizeof(float)), 0);
-  ASSERT_TRUE(frame.proxy);
-  EXPECT_EQ(std::memcmp(frame.proxy->volume->voxels(), expected.proxy->volume->voxels(), expected.proxy->volume->sizeBytes()), 0);
-  EXPECT_TRUE(sameFrame(frame, expected));
+  const Camera camera = lookingFrom({500.0f, 300.0f, 600.0f}, {}, 40, 31, 0.8f);
+  const SampleFrame frame = marcher->march(camera, settings);
+  EXPECT_TRUE(sameFrame(frame, alone->march(camera, settings)));
   EXPECT_GT(frame.samples.size(), 100u);
+  // Several that are marched at once take turns.
+  std::vector<std::thread> others;
+  std::atomic<int> same = 0;
+  for (int i = 0; i < 3; ++i)
+    others.emplace_back([&, twin = marcher->twin()] { same += sameFrame(twin->march(camera, settings), frame) ? 1 : 0; });
+  for (std::thread& other : others) other.join();
+  EXPECT_EQ(same, 3);
+
+  settings.render.step = static_cast<float>(kept);
+  EXPECT_THROW(marcher->march(camera, settings), InputError) << "a step looks at more slices than there is room for";
 }
 
 TEST(SparseVoxels, AreAsLargeAsAddressesReach) {

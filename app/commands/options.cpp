@@ -96,7 +96,7 @@ void addVolumeOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
-  command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of volumes that are built in, raw or not compressed it keeps what it is at, and reads or makes the rest again; others have to fit");
+  command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of built-in volumes, raw ones, and NIfTI, NRRD and MetaImage files as several processes share them, it keeps what it is at and makes or reads the rest again; others have to fit");
   command.add_option("--device-memory", options.deviceMemoryMiB, "MiB of a GPU's memory that the volume takes at most, " + rangeText(kDeviceMemoryMiBRange) + ": of a larger one slabs go to the GPU one after the other; by itself what is free");
   command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/core/crew_work.h"
+#include "render/march/ray_trace.h"
 
 namespace warpscope {
 namespace {
@@ -20,6 +21,7 @@ class RayWork {
     result.job = job;
     if (!tracer_ || job.volume != volume_ || job.transferFunction != transferFunction_) {
       tracer_.reset();
+      requireWholeRays(*job.volume);  // before all of it is looked through
       tracer_ = makeRayTracer(job.volume, job.transferFunction);
       volume_ = job.volume;
       transferFunction_ = job.transferFunction;

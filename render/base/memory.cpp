@@ -95,7 +95,6 @@ std::optional<uint64_t> optionalOf(uint64_t bytes) { return bytes > 0 ? std::opt
 
 /// Of the limit, a share is left free beside what comes in between two looks; and as much is used all the same.
 constexpr uint64_t kShare = 6;
-constexpr uint64_t kForPictures = uint64_t{64} << 20;
 
 struct Droppables {
   std::mutex mutex;
@@ -133,11 +132,21 @@ class ResidentCount {
 
 }  // namespace
 
-Droppable::Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce) : memory_(memory), drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce) {
+Droppable::Droppable(const void* memory, std::function<void()> drop, const BytesAtOnce& bytesAtOnce) : memory_(memory), drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce(limitBytes)) {
   const std::scoped_lock lock(droppables().mutex);
   if (const uint64_t limit = limitBytes) {
-    const uint64_t needed = residentMemory().bytes + droppables().bytesAtOnce + bytesAtOnce_ + kForPictures, least = needed + needed / (kShare - 1);
-    if (limit < least) throw InputError("the limit of " + sizeText(limit) + " of memory cannot be kept to: what is read of it at once takes " + sizeText(least));
+    constexpr uint64_t kForPictures = uint64_t{64} << 20;
+    const uint64_t resident = residentMemory().bytes;
+    const auto neededBy = [&](uint64_t other) {
+      constexpr uint64_t kMebibyte = uint64_t{1} << 20;
+      const uint64_t needed = resident + droppables().bytesAtOnce + bytesAtOnce(other) + kForPictures;
+      return (needed + needed / (kShare - 1) + kMebibyte - 1) / kMebibyte * kMebibyte;
+    };
+    if (uint64_t least = neededBy(limit); limit < least) {
+      // More is brought in at once where there is more.
+      for (uint64_t next; (next = neededBy(least)) > least;) least = next;
+      throw InputError("the limit of " + sizeText(limit) + " of memory cannot be kept to: with what is looked at at once it takes " + sizeText(least));
+    }
   }
   droppables().all.push_back(this);
   droppables().bytesAtOnce += bytesAtOnce_;
@@ -154,24 +163,16 @@ bool isDroppable(const void* memory) {
   return std::ranges::any_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory; });
 }
 
-uint64_t memoryLeftBeside(const void* memory) {
-  const std::scoped_lock lock(droppables().mutex);
-  const uint64_t limit = limitBytes;
-  if (limit == 0 || std::ranges::none_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory && !one->drop_; })) return 0;
-  const uint64_t taken = residentMemory().bytes + droppables().bytesAtOnce + kForPictures + limit / kShare;
-  return limit - std::min(limit, taken);
-}
-
 namespace {
-constexpr uint64_t kIsRoomForAll = 4;
+constexpr uint64_t kIsRoomForAll = 4, kOfLimit = 8;
 }  // namespace
 
 uint64_t limitForAll(uint64_t bytes) { return kIsRoomForAll * bytes; }
 
-uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices) {
-  constexpr uint64_t kOfLimit = 8;
+uint64_t limitedShare() { return limitBytes == 0 ? std::numeric_limits<uint64_t>::max() : limitBytes / kOfLimit; }
+
+uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices, uint64_t limit) {
   constexpr uint32_t kLeast = 8;  // a cell's two, and what gradients and long steps look at beside them
-  const uint64_t limit = limitBytes;
   if (limit == 0 || sliceBytes * slices <= limit / kIsRoomForAll) return slices;
   return static_cast<uint32_t>(std::min<uint64_t>(std::max<uint64_t>(limit / kOfLimit / sliceBytes, kLeast), slices));
 }
@@ -184,8 +185,7 @@ void keepWithinMemoryLimit() {
   // Nobody goes on while another one is at it, which the system may let wait.
   const std::scoped_lock lock(droppables().mutex);
   if (residentMemory().bytes <= most) return;
-  for (Droppable* const one : droppables().all)
-    if (one->drop_) one->drop_();
+  for (Droppable* const one : droppables().all) one->drop_();
 }
 
 ResidentMemory residentMemory() {

@@ -28,9 +28,11 @@ int deviceSharers();
 /// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
 class Droppable {
  public:
-  /// `memory`: where it begins. `drop`: null where it never has more than `bytesAtOnce`, and lets go by itself. `bytesAtOnce`: what all threads may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do,
-  /// where the limit cannot be kept to.
-  Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce);
+  /// What all threads may bring in between two calls of keepWithinMemoryLimit(), where that is the limit (0: there is none).
+  using BytesAtOnce = std::function<uint64_t(uint64_t limit)>;
+
+  /// `memory`: where it begins. Throws InputError, which says how much would do, where the limit cannot be kept to.
+  Droppable(const void* memory, std::function<void()> drop, const BytesAtOnce& bytesAtOnce);
   ~Droppable();
   Droppable(const Droppable&) = delete;
   Droppable& operator=(const Droppable&) = delete;
@@ -38,7 +40,6 @@ class Droppable {
  private:
   friend void keepWithinMemoryLimit();
   friend bool isDroppable(const void* memory);
-  friend uint64_t memoryLeftBeside(const void* memory);
   const void* const memory_;
   const std::function<void()> drop_;
   const uint64_t bytesAtOnce_;
@@ -47,12 +48,11 @@ class Droppable {
 /// Whether what begins there is a Droppable's. Safe on any thread.
 bool isDroppable(const void* memory);
 
-/// What is left of the limit for who looks at what begins there, a Droppable that lets go by itself: beside what this process has, what Droppables bring in at once, and pictures.
-/// 0 where there is no limit, and beside any other: of that, more is kept where more is left.
-uint64_t memoryLeftBeside(const void* memory);
-
-/// Of a droppable volume's slices, to how many whoever looks at all of them keeps at a time, so that the limit can be kept to: all where there is no limit, or room for them.
-uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices);
+/// Of a droppable volume's slices, to how many whoever looks at all of them keeps at a time, so that the limit can be kept to: all where there is no limit (0), or room for them.
+uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices, uint64_t limit);
+inline uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices) { return slicesAtATime(sliceBytes, slices, memoryLimit().value_or(0)); }
+/// As much of the limit, for what else grows with the picture and can be had in parts: of rays under way what they have gathered. As much as there is without one.
+uint64_t limitedShare();
 
 /// The least limit under which that is all of them.
 uint64_t limitForAll(uint64_t bytes);

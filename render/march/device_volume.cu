@@ -114,9 +114,8 @@ DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
   cuda::StagedCopy copy;
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
-    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
-    forKeptSlices(volume, {}, {}, [&](uint32_t first, uint32_t end) {
-      const VoxelSpan kept{first * slice, end * slice};
+    forKeptVoxels(volume, {}, [&](size_t first, size_t end) {
+      const VoxelSpan kept{first, end};
       copyVoxels<Voxel>(volume, scale, std::span(&kept, 1), bytes_.data(), copy, {});
     });
     cuda::DeviceBuffer<std::byte> cells;

@@ -301,7 +301,7 @@ MarcherPtr makeFittingCudaMarcher(VolumePtr volume, TransferFunction transferFun
   const int slices = slicesOnDevice(*volume), all = static_cast<int>(volume->dims().z), kept = static_cast<int>(slicesKept(*volume));
   if (slices == all) return makeCudaMarcher(std::move(volume), std::move(transferFunction));
   return makeStreamedMarcher(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), makeCudaPieces(false, {}),
-                             {.slices = std::min(slices, kept), .isForAll = kept < all});
+                             {.slices = std::min(slices, kept), .rayBytes = limitedShare(), .isForAll = kept < all});
 }
 
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback) {

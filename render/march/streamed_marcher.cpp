@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/march/depth_of_samples.h"
 #include "render/march/marcher_cpu.h"
 #include "render/march/piecewise_marcher.h"
 #include "render/volume/kept_slices.h"
@@ -52,9 +53,9 @@ std::vector<CellBlock> allSlabs(const Volume& volume, int most) {
 
 /// Tiles whose rays have room for what they gather. No fewer than keep all cores at work.
 uint32_t tilesAtATime(const StreamRoom& room, const std::optional<SampleSettings>& sample) {
-  constexpr uint64_t kLeast = 64, kListed = 32;  // samples of a ray that lists keep, as far as they do
+  constexpr uint64_t kLeast = 64, kListed = 256;  // samples of a ray that a list keeps, where there is one
   uint64_t bytesOfRay = sizeof(RelayedRay);
-  if (sample) bytesOfRay += kListed * sizeof(CountingSample) + (sample->segments > 0 ? sizeof(SegmentMerger) + sizeof(RelayedAgain) : 0);
+  if (sample) bytesOfRay += (hasOnePass(sample->heuristic) && sample->samplesPerRay == 1 ? 0 : kListed * sizeof(CountingSample)) + (sample->segments > 0 ? sizeof(SegmentMerger) + sizeof(RelayedAgain) : 0);
   return static_cast<uint32_t>(std::clamp<uint64_t>(room.rayBytes / (bytesOfRay * kRelayedSide * kRelayedSide), kLeast, std::numeric_limits<uint32_t>::max()));
 }
 
@@ -244,11 +245,9 @@ MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, 
 
 MarcherPtr makeFittingCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
   const uint32_t slices = volume->dims().z, atATime = slicesKept(*volume);
-  const uint64_t slabBytes = volume->sizeBytes() / slices * atATime;
   auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
   if (atATime == slices) return makeCpuMarcherOf(std::move(marched), nullptr);
-  const uint64_t rayBytes = std::max(slabBytes, memoryLeftBeside(marched->volume->voxels()));  // slabs that are made anew take longer than those that are read again
-  return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = rayBytes, .isForAll = true});
+  return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = limitedShare(), .isForAll = true});
 }
 
 }  // namespace warpscope

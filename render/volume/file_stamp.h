@@ -1,4 +1,5 @@
-// What tells a file, and its versions, apart without reading them: its number in its file system, its size and when it was written last, to the nanosecond.
+// What tells a file, and its versions, apart without reading them: its number in its file system, its size, and to the nanosecond when it was written and when
+// anything of it was changed last, which who copies a file cannot set.
 // Linux: stat(2).
 #pragma once
 
@@ -13,7 +14,8 @@ namespace warpscope {
 inline std::string stampOf(const std::filesystem::path& file) {
   struct stat facts {};
   if (stat(file.c_str(), &facts) != 0) return "";
-  return "file " + std::to_string(facts.st_ino) + ", " + std::to_string(facts.st_size) + " bytes of " + std::to_string(facts.st_mtim.tv_sec) + "." + std::to_string(facts.st_mtim.tv_nsec);
+  const auto textOf = [](const timespec& time) { return std::to_string(time.tv_sec) + "." + std::to_string(time.tv_nsec); };
+  return "file " + std::to_string(facts.st_ino) + ", " + std::to_string(facts.st_size) + " bytes of " + textOf(facts.st_mtim) + " and " + textOf(facts.st_ctim);
 }
 
 }  // namespace warpscope

@@ -268,7 +268,7 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
   const std::string source = path.string();
   const Header header = readHeader(path);
   const auto& [payload, io, type, geometry, count, storedBytes] = header;
-  if (areTooManyToKeep(count * sizeBytes(type)) && whyNotByRows(path, header).empty()) {
+  if (isTooLargeToKeep(geometry, type) && whyNotByRows(path, header).empty()) {
     requirePayload(path, payload, type, count, storedBytes, stop);
     return readByRows(path, header, stop, nullptr);
   }

@@ -31,4 +31,11 @@ void forKeptSlices(const Volume& volume, const SliceGrouping& grouping, const st
   }
 }
 
+/// The same of all voxels, `body(first, end)` as they are counted; no slice sees another one.
+template <class Body>
+void forKeptVoxels(const Volume& volume, const std::stop_token& stop, const Body& body) {
+  const size_t slice = size_t{volume.dims().x} * volume.dims().y;
+  forKeptSlices(volume, {}, stop, [&](uint32_t first, uint32_t end) { body(first * slice, end * slice); });
+}
+
 }  // namespace warpscope

@@ -40,10 +40,9 @@ template <class Body>
 void forVoxels(const Volume& volume, const std::stop_token& stop, const Body& body) {
   visitVoxelType(volume.type(), [&](auto voxelTag) {
     const auto* const voxels = volume.voxelsAs<decltype(voxelTag)>();
-    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
-    forKeptSlices(volume, {}, stop, [&](uint32_t first, uint32_t last) {
-      parallelForRanges((last - first) * slice, kVoxelsAtOnce, stop, [&](size_t begin, size_t end) {
-        for (size_t i = first * slice + begin; i < first * slice + end; ++i) body(i, voxels[i]);
+    forKeptVoxels(volume, stop, [&](size_t first, size_t last) {
+      parallelForRanges(last - first, kVoxelsAtOnce, stop, [&](size_t begin, size_t end) {
+        for (size_t i = first + begin; i < first + end; ++i) body(i, voxels[i]);
       });
     });
   });

@@ -61,7 +61,7 @@ VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, ui
   geometry.dims = dims;
   const std::string source(name);
   const size_t count = validate(geometry, VoxelType::uint8, source);
-  if (ranks || areTooManyToKeep(count)) {
+  if (ranks || isTooLargeToKeep(geometry, VoxelType::uint8)) {
     const auto fillRows = [fill, dims, seed](const VoxelRows& rows, std::byte* voxels, const std::stop_token& filling) {
       fill(reinterpret_cast<uint8_t*>(voxels), {dims, rows, seed}, filling);
     };

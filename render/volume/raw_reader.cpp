@@ -58,7 +58,7 @@ class MappedFile final : public VoxelSource {
       : region_(std::move(region)),
         stamp_(stampOf(name)),
         note_(region_->get_address(), region_->get_size(), name),
-        droppable_(region_->get_address(), [this] { dropPages(*region_); }, bytesAtOnce(region_->get_size(), slices, isShared)) {}
+        droppable_(region_->get_address(), [this] { dropPages(*region_); }, [=, bytes = region_->get_size()](uint64_t limit) { return bytesAtOnce(bytes, slices, isShared, limit); }) {}
 
   void provide(const VoxelRows& /*rows*/, const std::stop_token& /*stop*/) override {}
   /// What is dropped of a mapping of a file is read again.
@@ -71,7 +71,7 @@ class MappedFile final : public VoxelSource {
   const MappedFileNote note_;
   const Droppable droppable_;
 
-  static uint64_t bytesAtOnce(uint64_t bytes, uint32_t slices, bool isShared) {
+  static uint64_t bytesAtOnce(uint64_t bytes, uint32_t slices, bool isShared, uint64_t limit) {
     const uint64_t threads = std::max(1u, std::thread::hardware_concurrency()), sliceBytes = bytes / slices;
     constexpr uint64_t kSlicesOfLoop = 8;  // that loops over all voxels look at, a thread
     if (isShared) {
@@ -81,7 +81,7 @@ class MappedFile final : public VoxelSource {
     }
     // What the system has read of a file at once, it maps at once (Linux 6.18), up to what one table of pages has.
     constexpr uint64_t kMostAtFault = 2 << 20;
-    const uint32_t atATime = slicesAtATime(sliceBytes, slices);
+    const uint32_t atATime = slicesAtATime(sliceBytes, slices, limit);
     return atATime < slices ? std::min(bytes, atATime * sliceBytes + threads * kSlicesOfLoop * kMostAtFault) : bytes;
   }
 };

@@ -7,21 +7,26 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "render/base/error.h"
 
 namespace warpscope {
 
-SparseVoxels::SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp, bool isDroppable)
+SparseVoxels::SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp, std::optional<uint32_t> kept)
     : dims_(geometry.dims), sizeBytes_(size_t{dims_.x} * dims_.y * dims_.z * warpscope::sizeBytes(type)), fill_(std::move(fill)), stamp_(std::move(stamp)), present_(dims_.z) {
   void* const memory = mmap(nullptr, sizeBytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) throw InputError("no addresses for " + std::to_string(sizeBytes_) + " bytes of voxels: " + std::strerror(errno));
   memory_ = static_cast<std::byte*>(memory);
-  if (!isDroppable) return;
+  if (!kept) return;
+  constexpr uint32_t kBeside = 2;  // who looks at pieces of whole cells sees one more, and one of a step's length another
+  mostSlices_ = std::min(*kept + kBeside, dims_.z);
   try {
     const size_t sliceBytes = sizeBytes_ / dims_.z;
-    droppable_.emplace(memory_, nullptr, sliceBytes * slicesAtATime(sliceBytes, dims_.z));
+    const auto bytesAtOnce = [=, slices = dims_.z](uint64_t limit) { return sliceBytes * std::min(slicesAtATime(sliceBytes, slices, limit) + kBeside, slices); };
+    droppable_.emplace(memory_, [] {}, bytesAtOnce);  // it lets go by itself
   } catch (...) {
     munmap(memory_, sizeBytes_);
     throw;
@@ -59,9 +64,30 @@ void SparseVoxels::provide(const VoxelRows& rows, const std::stop_token& stop) {
   }
 }
 
+namespace {
+
+std::unique_lock<std::mutex> lockUnlessStopped(std::mutex& mutex, const std::stop_token& stop) {
+  std::unique_lock lock(mutex, std::try_to_lock);
+  while (!lock.owns_lock()) {
+    if (stop.stop_requested()) throw OperationCancelled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // slabs take tens of them
+    if (lock.try_lock()) break;
+  }
+  return lock;
+}
+
+}  // namespace
+
 std::unique_lock<std::mutex> SparseVoxels::hold(const VoxelRows& rows, const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  if (droppable_) releaseBut(rows);
+  // In two steps, so that who has just held rows is not the next to while another one waits.
+  std::unique_lock next = lockUnlessStopped(next_, stop);
+  std::unique_lock lock = lockUnlessStopped(mutex_, stop);
+  next.unlock();
+  if (mostSlices_) {
+    if (const uint32_t slices = rows.upper.y - rows.lower.y; slices > *mostSlices_)
+      throw InputError(std::to_string(slices) + " slices of voxels are looked at at once, so long are the steps, and --memory leaves room for " + std::to_string(*mostSlices_));
+    releaseBut(rows);
+  }
   provide(rows, stop);
   return lock;
 }
@@ -80,14 +106,20 @@ void SparseVoxels::release() {
   std::ranges::fill(present_, std::pair<uint32_t, uint32_t>{});
 }
 
-bool areTooManyToKeep(uint64_t bytes) {
-  const std::optional<uint64_t> limit = memoryLimit();
-  return limit && bytes > *limit / 2;
+bool isTooLargeToKeep(const VolumeGeometry& geometry, VoxelType type) {
+  return slicesAtATime(uint64_t{geometry.dims.x} * geometry.dims.y * warpscope::sizeBytes(type), geometry.dims.z) < geometry.dims.z;
 }
 
 VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks,
                            std::string stamp) {
-  const auto source = std::make_shared<SparseVoxels>(geometry, type, std::move(fill), std::move(stamp), ranks == nullptr);
+  std::optional<uint32_t> kept;
+  if (!ranks && isTooLargeToKeep(geometry, type)) kept = slicesAtATime(uint64_t{geometry.dims.x} * geometry.dims.y * warpscope::sizeBytes(type), geometry.dims.z);
+  std::shared_ptr<SparseVoxels> source;
+  try {
+    source = std::make_shared<SparseVoxels>(geometry, type, std::move(fill), std::move(stamp), kept);
+  } catch (const InputError& error) {
+    throw InputError(name + ": " + error.what());
+  }
   return std::make_shared<Volume>(std::move(name), type, geometry, source, source->voxels(), stop, std::move(ranks), source);
 }
 

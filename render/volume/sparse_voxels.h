@@ -21,8 +21,9 @@ class SparseVoxels final : public VoxelSource {
   using Fill = std::function<void(const VoxelRows& rows, std::byte* voxels, const std::stop_token& stop)>;
 
   /// Reserves addresses for the volume. `stamp`: as VoxelSource's. Throws InputError where there are none.
-  /// `isDroppable`: no more slices are kept than the limit of memory has room for (kept_slices.h), where rows are asked for by hold().
-  SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp = "", bool isDroppable = false);
+  /// `kept`: how many slices are looked at at once where there is no room for all (kept_slices.h), so that hold() lets go of others; nothing: all. Throws InputError where the
+  /// limit of memory has no room for those.
+  SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill, std::string stamp = "", std::optional<uint32_t> kept = {});
   ~SparseVoxels() override;
   SparseVoxels(const SparseVoxels&) = delete;
   SparseVoxels& operator=(const SparseVoxels&) = delete;
@@ -30,6 +31,7 @@ class SparseVoxels final : public VoxelSource {
   const void* voxels() const { return memory_; }
 
   void provide(const VoxelRows& rows, const std::stop_token& stop) override;
+  /// Throws InputError where rows are of clearly more slices than are to be kept.
   std::unique_lock<std::mutex> hold(const VoxelRows& rows, const std::stop_token& stop) override;
   void release() override;
   std::string stamp() const override { return stamp_; }
@@ -41,17 +43,19 @@ class SparseVoxels final : public VoxelSource {
   const std::string stamp_;
   std::byte* memory_ = nullptr;
   std::vector<std::pair<uint32_t, uint32_t>> present_;  // of each slice, rows [first, second) that are there
+  std::optional<uint32_t> mostSlices_;
   std::optional<Droppable> droppable_;
   std::mutex mutex_;  // held by who holds rows
+  std::mutex next_;   // by who is the next to
 
   /// Lets go of whole slices that are not among these.
   void releaseBut(const VoxelRows& rows);
 };
 
-/// Whether so many bytes of voxels are more than half of the limit of memory, of which pictures take the rest: voxels that can be made by rows are better not kept then.
-bool areTooManyToKeep(uint64_t bytes);
+/// Whether the limit of memory has no room for all of such a volume, so that it is better made by rows.
+bool isTooLargeToKeep(const VolumeGeometry& geometry, VoxelType type);
 
-/// A volume of which voxels are made so; arguments as Volume's and SparseVoxels'. Without ranks, one that is droppable. Throws as it does.
+/// A volume of which voxels are made so; arguments as Volume's and SparseVoxels'. Without ranks, one that isTooLargeToKeep(). Throws as they do.
 VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks,
                            std::string stamp = "");
 

@@ -91,8 +91,7 @@ struct Scanned {
       });
     };
     if (ranks != nullptr) return visitPiece(0, count);
-    const size_t slice = size_t{volume.dims().x} * volume.dims().y;
-    forKeptSlices(volume, {}, stop, [&](uint32_t first, uint32_t end) { visitPiece(first * slice, end * slice); });
+    forKeptVoxels(volume, stop, visitPiece);
   }
 };
 
@@ -218,16 +217,24 @@ struct Readers {
   size_t place = 0, count = 1;  ///< this one's among them
 };
 
-constexpr size_t kHashedBytes = 32 << 20;  // in a piece
+constexpr size_t kWord = sizeof(uint64_t);  // that is hashed
 
-/// Of every so many pieces of the voxels one, of which somebody has said that they will be looked at. The readers' sum is that of all voxels.
+/// A reader's bytes: [begin, end).
+std::pair<size_t, size_t> bytesOf(const Readers& readers, size_t bytes) {
+  const size_t words = (bytes + kWord - 1) / kWord, each = words / readers.count, more = words % readers.count;
+  const auto before = [&](size_t place) { return std::min((each * place + std::min(place, more)) * kWord, bytes); };
+  return {before(readers.place), before(readers.place + 1)};
+}
+
+/// Of those bytes, of which somebody has said that they will be looked at; reads them in pieces. All readers' sum is that of all voxels.
 uint64_t hashOfShare(const Volume& volume, const Readers& readers, const std::stop_token& stop) {
-  constexpr size_t kWord = sizeof(uint64_t);
+  constexpr size_t kPieceBytes = 32 << 20;
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
   const size_t rowBytes = volume.dims().x * sizeBytes(volume.type());
   std::atomic<uint64_t> sum = 0;
-  for (size_t begin = readers.place * kHashedBytes; begin < volume.sizeBytes(); begin += readers.count * kHashedBytes) {
-    const size_t end = std::min(begin + kHashedBytes, volume.sizeBytes());
+  const auto [firstByte, endByte] = bytesOf(readers, volume.sizeBytes());
+  for (size_t begin = firstByte; begin < endByte; begin += kPieceBytes) {
+    const size_t end = std::min(begin + kPieceBytes, endByte);
     volume.provide(rowsFrom(begin / rowBytes, (end + rowBytes - 1) / rowBytes, volume.dims()), stop);
     parallelForRanges((end - begin + kWord - 1) / kWord, kGrain, stop, [&](size_t first, size_t last) {
       keepWithinMemoryLimit();
@@ -259,7 +266,8 @@ void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint6
   const auto own = stamps.begin() + volume.ranks()->rank();
   Readers readers;
   if (!own->empty()) readers = {static_cast<size_t>(std::count(stamps.begin(), own, *own)), static_cast<size_t>(std::ranges::count(stamps, *own))};
-  beginLooking((isCertain ? 0 : volume.sizeBytes() / readers.count) + bytesAfterwards);  // all at once, so that what is left never grows
+  const auto [firstByte, endByte] = bytesOf(readers, volume.sizeBytes());
+  beginLooking((isCertain ? 0 : endByte - firstByte) + bytesAfterwards);  // all at once, so that what is left never grows
   if (!isCertain) {
     std::vector<uint64_t> hashes{hashOfShare(volume, readers, stop)};
     volume.ranks()->allGather(hashes);

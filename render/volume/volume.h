@@ -105,7 +105,7 @@ class Volume {
   /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once or twice, in parallel.
   /// `ranks`: processes that have the same volume and make this object, and whatever is made of all of its voxels, at the same time, each from a share of them; null:
   /// this one alone.
-  /// `source`: of voxels that are in their places once they have been asked for (provide()); null: all are.
+  /// `source`: of voxels that are in their places once they have been asked for (provide(), hold()); null: all are.
   /// Throws InputError if the geometry makes no sense or ranks have different volumes, OperationCancelled if `stop` is set.
   Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage, const void* voxels, const std::stop_token& stop = {},
          RanksPtr ranks = nullptr, std::shared_ptr<VoxelSource> source = nullptr);
@@ -121,7 +121,7 @@ class Volume {
 
   /// Null where this process has the volume for itself.
   const RanksPtr& ranks() const { return ranks_; }
-  /// Whoever reads voxels of a volume that ranks share asks for them first, and lets go of them: VoxelSource. Elsewhere nothing is to be done.
+  /// Whoever reads voxels of a volume that ranks share asks for them first, and lets go of them: VoxelSource. Where no ranks do he holds them.
   void provide(const VoxelRows& rows, const std::stop_token& stop = {}) const {
     if (source_) source_->provide(rows, stop);
   }

@@ -17,6 +17,7 @@
 #include "tests/gpu/device_memory.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
+#include "tests/slab_volume.h"
 #include "tests/spread_cases.h"
 #include "tests/spread_volume.h"
 #include "tests/test_volumes.h"
@@ -224,6 +225,31 @@ TEST(StreamedOnDevice, AVolumeThatMayNotBeThereAsAWholeGoesThereInSlabs) {
   EXPECT_EQ(marcher->capabilities().pace, MarchPace::afterRest) << "that of slabs";
   setDeviceMemoryLimit({});
   EXPECT_EQ(makeFittingCudaMarcher(whole, function)->capabilities().pace, MarchPace::followsCamera);
+}
+
+/// As one process does where --memory has no room for all of a volume, with room on the device for all of it, and without.
+TEST(StreamedOnDevice, AVolumeThatIsMadeSlabBySlabIsTheWholeOne) {
+  WARPSCOPE_NEEDS_GPU();
+  const SlabVolume volumes;
+  const TransferFunction function = band(200, 250, 0.05f);
+  const MarcherPtr alone = makeCpuMarcher(volumes.whole(), function);
+  const Camera camera = lookingFrom({500.0f, 300.0f, 600.0f}, {}, 120, 93, 0.8f);
+  MarchSettings settings;
+  settings.sample.segments = 2;
+  settings.sample.proxy = 12;
+  const SampleFrame expected = alone->march(camera, settings);
+  ASSERT_GT(expected.size(), 1000u);
+  for (const bool isLimited : {false, true}) {
+    SCOPED_TRACE(isLimited);
+    setDeviceMemoryLimit(isLimited ? std::optional<uint64_t>(volumes.whole()->sizeBytes() / 2) : std::nullopt);
+    const MarcherPtr marcher = makeFittingCudaMarcher(volumes.slabs(), function);
+    EXPECT_EQ(marcher->capabilities().pace, isLimited ? MarchPace::afterRest : MarchPace::followsCamera);
+    EXPECT_TRUE(sameFrame(marcher->march(camera, settings), expected));
+    MarchSettings greatest;
+    greatest.render.effects.mode = RenderMode::mip;
+    EXPECT_TRUE(sameBits(rendered(*marcher, camera, greatest), rendered(*alone, camera, greatest)));
+  }
+  setDeviceMemoryLimit({});
 }
 
 TEST(StreamedOnDevice, IsStopped) {
