@@ -84,6 +84,25 @@ TEST(TransferCurves, AnAddedCornerChangesNothingAndTheLastOneStays) {
   EXPECT_FALSE(removeColor(curves, 0));
 }
 
+TEST(TransferCurves, ACornerBeyondTheOthersIsABumpAndNoStep) {
+  const TransferCurves before{{{0.0, glm::vec3(0.0f)}}, {{4.0, 0.0f}, {8.0, 1.0f}}};
+  TransferCurves curves = before;
+  const size_t corner = keepBeyond(curves, addOpacity(curves, 2.0), 0.0, 10.0);
+  expectAlike(functionOf(curves), functionOf(before));
+  moveOpacity(curves, corner, 2.0, 0.5f);
+  EXPECT_EQ(curves.opacities, (std::vector<OpacityCorner>{{0.0, 0.0f}, {2.0, 0.5f}, {4.0, 0.0f}, {8.0, 1.0f}}));
+  curves = before;
+  EXPECT_EQ(keepBeyond(curves, addOpacity(curves, 9.0), 0.0, 10.0), 2u);
+  EXPECT_EQ(curves.opacities.back(), (OpacityCorner{10.0, 1.0f}));
+  for (const double value : {0.0, 6.0, 10.0}) {  // at an end, between others
+    curves = before;
+    const size_t added = addOpacity(curves, value);
+    const TransferCurves withIt = curves;
+    EXPECT_EQ(keepBeyond(curves, added, 0.0, 10.0), added);
+    EXPECT_EQ(curves, withIt);
+  }
+}
+
 TEST(TransferCurves, AWindowIsMovedAndWidenedAboutItsMiddle) {
   const TransferCurves curves{{{0.0, glm::vec3(0.0f)}}, {{10.0, 0.0f}, {20.0, 1.0f}}};
   const TransferCurves changed = windowed(curves, 5.0, 2.0);  // the middle of all corners is 10

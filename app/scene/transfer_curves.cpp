@@ -115,6 +115,14 @@ size_t addOpacity(TransferCurves& curves, double value) {
   return place;
 }
 
+size_t keepBeyond(TransferCurves& curves, size_t corner, double lowest, double highest) {
+  const OpacityCorner kept = curves.opacities[corner];
+  if (corner + 1 == curves.opacities.size() && kept.value < highest) curves.opacities.push_back({highest, kept.alpha});
+  if (corner > 0 || kept.value <= lowest) return corner;
+  curves.opacities.insert(curves.opacities.begin(), {lowest, kept.alpha});
+  return 1;
+}
+
 size_t addColor(TransferCurves& curves, double value) {
   const size_t place = placeFor(curves.colors, value);
   const glm::vec3 color(colorsAlone(curves).at(value));

@@ -43,6 +43,8 @@ void moveColor(TransferCurves& curves, size_t corner, double value);
 /// Adds a corner on the curve, which does not change by that; its place.
 size_t addOpacity(TransferCurves& curves, double value);
 size_t addColor(TransferCurves& curves, double value);
+/// Of a corner that is the first or the last: another one at the end of [lowest, highest] keeps the opacity that all beyond it has, wherever it goes. Its place from then on.
+size_t keepBeyond(TransferCurves& curves, size_t corner, double lowest, double highest);
 /// Removes a corner, unless it is the only one. False if it is.
 bool removeOpacity(TransferCurves& curves, size_t corner);
 bool removeColor(TransferCurves& curves, size_t corner);

@@ -2,6 +2,7 @@
 // See live_ray.h.
 #include "app/session/live_ray.h"
 
+#include <cmath>
 #include <utility>
 
 #include "render/core/crew_work.h"
@@ -36,8 +37,8 @@ class RayWork {
   }
 
  private:
-  /// Of the picture's own ray: what is nearer on it than the sample by more than both are thick.
-  std::optional<MissedInFront> missedBy(const RayJob& job, const std::stop_token& stop) const {
+  /// Of the picture's own ray: what lies on it, away from the sample by more than both are thick.
+  std::optional<MissedPlace> missedBy(const RayJob& job, const std::stop_token& stop) const {
     const Sphere shown = unpackSample(job.frame->samples[*job.ray.sample], job.frame->grid());
     const RayTrace own = tracer_->trace(job.own->camera, job.settings, job.own->pixel, stop);
     const std::optional<float> depth = depthBy(own, job.settings.sample.heuristic);
@@ -45,8 +46,8 @@ class RayWork {
     const glm::vec3 place = own.ray.at(*depth);
     const float fromEye = glm::length(place - job.own->camera.eye), before = glm::length(shown.center - job.own->camera.eye) - fromEye;
     const SeenByFrame seen = seenByFrame(*job.frame, place);
-    if (before <= 2.0f * kLightReach + shown.radius + seen.radius) return std::nullopt;
-    return MissedInFront{fromEye, before, seen};
+    if (std::abs(before) <= 2.0f * kLightReach + shown.radius + seen.radius) return std::nullopt;
+    return MissedPlace{fromEye, before, seen};
   }
 
   std::shared_ptr<RayTracer> tracer_;  // shared, because functions are copied

@@ -24,10 +24,10 @@ struct RayJob {
   bool operator==(const RayJob&) const = default;
 };
 
-/// What a pixel shows in truth, where that is nearer than the sample that it shows: that one is seen through a gap.
-struct MissedInFront {
+/// What a pixel shows in truth, where that is not where the sample lies that it shows: nearer, that one is seen through a gap; farther, it covers what is to be seen.
+struct MissedPlace {
   float depth = 0.0f;   ///< from the eye, volume units
-  float before = 0.0f;  ///< the sample, by so much
+  float before = 0.0f;  ///< the sample, by so much; below 0: behind it
   SeenByFrame seen;     ///< by the frame, of that place
 };
 
@@ -35,7 +35,7 @@ struct RayResult {
   RayJob job;      ///< that was done
   RayTrace trace;
   std::optional<SeenByFrame> seen;  ///< of a gap: by the job's frame, of where the ray's depth is by its settings; nothing where it has none
-  std::optional<MissedInFront> missed;  ///< of a sample: what the picture lacks in front of it
+  std::optional<MissedPlace> missed;  ///< of a sample: what the picture should have in its place
   std::string error;
 };
 

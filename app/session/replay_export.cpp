@@ -55,7 +55,7 @@ ReplayFiles exportedAs(const std::filesystem::path& path) {
     return files;
   }
   if (ending != ".mp4" && ending != ".gif") throw InputError(path.filename().string() + ": its ending is to be .mp4 or .gif for a film, or .png for numbered pictures");
-  if (!canFilm()) throw InputError("films need the program ffmpeg, which is not installed; a name that ends with .png gives numbered pictures");
+  if (!canFilm()) throw InputError("films need ffmpeg, which is not installed; a name with .png gives numbered pictures");
   files.film = path.filename().string();
   files.hasPictures = false;
   return files;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "app/experiment/replay_files.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
 #include "render/base/printable.h"
@@ -35,7 +36,7 @@ bool isOpening(FileDialog::Purpose purpose) { return purpose == FileDialog::Purp
 /// What the names of such files end with, in lower case.
 std::vector<std::string_view> endingsOf(FileDialog::Purpose purpose) {
   if (purpose == FileDialog::Purpose::record) return {".warpscope"};
-  if (purpose == FileDialog::Purpose::exportFilm) return {".mp4", ".gif", ".png"};
+  if (purpose == FileDialog::Purpose::exportFilm) return canFilm() ? std::vector<std::string_view>{".mp4", ".gif", ".png"} : std::vector<std::string_view>{".png", ".mp4", ".gif"};
   if (purpose != FileDialog::Purpose::open) return {".json"};
   std::vector<std::string_view> endings{".json", ".warpscope"};
   for (const VolumeEnding& volume : kVolumeEndings) endings.push_back(volume.ending);
@@ -228,7 +229,7 @@ std::optional<std::filesystem::path> FileDialog::take() {
     // Under another ending it would not be offered when it is to be opened; films have a choice of them, and others are refused.
     if (!path.has_extension() || (endings.size() == 1 && !lowered(path.filename().string()).ends_with(endings.front()))) {
       path += endings.front();
-      copyInto(name_, path.filename().string());
+      copyInto(name_, name_.data() + std::string(endings.front()));
     }
   }
   const std::filesystem::path needed = isOpening(purpose_) ? path : path.parent_path();

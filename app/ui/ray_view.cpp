@@ -239,10 +239,12 @@ std::string gapText(const RayResult& result, float fromEye) {
   return "What it shows in truth is " + formatted("%.4g", static_cast<double>(fromEye + depth)) + " from the eye. " + textOf(*result.seen);
 }
 
-/// Why one sees through to the sample that the pixel shows.
-std::string missedText(const MissedInFront& missed) {
-  return "One looks through a gap here: what this pixel shows in truth is " + formatted("%.4g", static_cast<double>(missed.depth)) + " from the eye, " + formatted("%.3g", static_cast<double>(missed.before)) +
-         " in front of the sample. " + textOf(missed.seen);
+/// Why the pixel shows a sample that is not what it shows in truth.
+std::string missedText(const MissedPlace& missed) {
+  const std::string depth = formatted("%.4g", static_cast<double>(missed.depth)), apart = formatted("%.3g", static_cast<double>(std::abs(missed.before)));
+  return (missed.before > 0.0f ? "One looks through a gap here: what this pixel shows in truth is " + depth + " from the eye, " + apart + " in front of the sample. "
+                               : "Something else is in front here: what this pixel shows in truth is " + depth + " from the eye, " + apart + " behind the sample. ") +
+         textOf(missed.seen);
 }
 
 struct CurveKey {

@@ -162,7 +162,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   if (isHovered && (ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right))) takeTyped(session);
   if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
     take(Grip::opacity);
-    opacity_ = near ? *near : addOpacity(curves_, chart.value(mouse.x));
+    opacity_ = near ? *near : keepBeyond(curves_, addOpacity(curves_, chart.value(mouse.x)), chart.lowest, chart.highest);
     color_.reset();
     // On the curve it lies where that was until it is dragged; beside the curve the curve goes to it.
     const float onCurve = chart.y(curves_.opacities[*opacity_].alpha);
