@@ -10,6 +10,7 @@
 #include <atomic>
 #include <charconv>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <utility>
 #include <vector>
