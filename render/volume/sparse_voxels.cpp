@@ -106,14 +106,20 @@ void SparseVoxels::release() {
   std::ranges::fill(present_, std::pair<uint32_t, uint32_t>{});
 }
 
-bool isTooLargeToKeep(const VolumeGeometry& geometry, VoxelType type) {
-  return slicesAtATime(uint64_t{geometry.dims.x} * geometry.dims.y * warpscope::sizeBytes(type), geometry.dims.z) < geometry.dims.z;
+namespace {
+
+uint32_t slicesToKeep(const VolumeGeometry& geometry, VoxelType type) {
+  return slicesAtATime(uint64_t{geometry.dims.x} * geometry.dims.y * warpscope::sizeBytes(type), geometry.dims.z);
 }
+
+}  // namespace
+
+bool isTooLargeToKeep(const VolumeGeometry& geometry, VoxelType type) { return slicesToKeep(geometry, type) < geometry.dims.z; }
 
 VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks,
                            std::string stamp) {
   std::optional<uint32_t> kept;
-  if (!ranks && isTooLargeToKeep(geometry, type)) kept = slicesAtATime(uint64_t{geometry.dims.x} * geometry.dims.y * warpscope::sizeBytes(type), geometry.dims.z);
+  if (!ranks && isTooLargeToKeep(geometry, type)) kept = slicesToKeep(geometry, type);
   std::shared_ptr<SparseVoxels> source;
   try {
     source = std::make_shared<SparseVoxels>(geometry, type, std::move(fill), std::move(stamp), kept);

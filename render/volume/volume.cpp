@@ -226,13 +226,12 @@ std::pair<size_t, size_t> bytesOf(const Readers& readers, size_t bytes) {
   return {before(readers.place), before(readers.place + 1)};
 }
 
-/// Of those bytes, of which somebody has said that they will be looked at; reads them in pieces. All readers' sum is that of all voxels.
-uint64_t hashOfShare(const Volume& volume, const Readers& readers, const std::stop_token& stop) {
+/// Of these bytes, of which somebody has said that they will be looked at; reads them in pieces. All readers' sum is that of all voxels.
+uint64_t hashOfShare(const Volume& volume, size_t firstByte, size_t endByte, const std::stop_token& stop) {
   constexpr size_t kPieceBytes = 32 << 20;
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
   const size_t rowBytes = volume.dims().x * sizeBytes(volume.type());
   std::atomic<uint64_t> sum = 0;
-  const auto [firstByte, endByte] = bytesOf(readers, volume.sizeBytes());
   for (size_t begin = firstByte; begin < endByte; begin += kPieceBytes) {
     const size_t end = std::min(begin + kPieceBytes, endByte);
     volume.provide(rowsFrom(begin / rowBytes, (end + rowBytes - 1) / rowBytes, volume.dims()), stop);
@@ -269,7 +268,7 @@ void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint6
   const auto [firstByte, endByte] = bytesOf(readers, volume.sizeBytes());
   beginLooking((isCertain ? 0 : endByte - firstByte) + bytesAfterwards);  // all at once, so that what is left never grows
   if (!isCertain) {
-    std::vector<uint64_t> hashes{hashOfShare(volume, readers, stop)};
+    std::vector<uint64_t> hashes{hashOfShare(volume, firstByte, endByte, stop)};
     volume.ranks()->allGather(hashes);
     const uint64_t hash = hashes[static_cast<size_t>(volume.ranks()->rank())];
     uint64_t sum = own->empty() ? hash : 0;  // without a stamp it has read all by itself
