@@ -324,14 +324,15 @@ TEST_F(Mpi, AClientIsOneProcess) {
 }
 
 TEST_F(Mpi, NoProcessHoldsAllOfTheVolume) {
-  constexpr int kSide = 256, kSlices = 128;
-  const std::string name = "layers_256x256x128_uint16.raw";
+  // The system maps what it has read or written at once, and 64 KiB at least: bricks' parts of a slice are to be much more than that, whichever way they are cut.
+  constexpr size_t kSide = 1024, kSlices = 32, kAtOnce = (64 << 10) / sizeof(uint16_t);
+  const std::string name = "layers_1024x1024x32_uint16.raw";
   {
     std::ofstream file(folder_.file(name), std::ios::binary);
-    std::vector<uint16_t> slice(size_t{kSide} * kSide);
-    for (int z = 0; z < kSlices; ++z) {
-      for (size_t i = 0; i < slice.size(); ++i) slice[i] = static_cast<uint16_t>(i * 7 % 1000 + 200 * (z % 50));
-      file.write(reinterpret_cast<const char*>(slice.data()), static_cast<std::streamsize>(slice.size() * sizeof slice[0]));
+    std::vector<uint16_t> voxels(kAtOnce);
+    for (size_t first = 0; first < kSide * kSide * kSlices; first += kAtOnce) {
+      for (size_t i = 0; i < kAtOnce; ++i) voxels[i] = static_cast<uint16_t>((first + i) * 7 % 1000 + 800 * (first / (kSide * kSide) % 13));
+      file.write(reinterpret_cast<const char*>(voxels.data()), static_cast<std::streamsize>(kAtOnce * sizeof(uint16_t)));
     }
   }
   const std::string url = startServer({name});
