@@ -42,9 +42,9 @@ class Mpi : public CommandLine {
   }
   ProgramResult runAsMany(int count, const Arguments& arguments) const { return start(count, arguments)->wait(); }
 
-  /// Process ids of those that were started in this folder, by rank.
+  /// Process ids of those that were started in this folder, by rank: of those that march, or, where only these are left, of those that watch them.
   std::map<int, pid_t> processes() const {
-    std::map<int, pid_t> found;
+    std::map<pid_t, int> ranks;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
       const std::string name = entry.path().filename().string();
       if (name.find_first_not_of("0123456789") != std::string::npos) continue;
@@ -53,9 +53,21 @@ class Mpi : public CommandLine {
       if (std::filesystem::read_symlink(entry.path() / "cwd", error) != std::filesystem::canonical(folder_.path())) continue;
       const std::string environment = contentOf(entry.path() / "environ");
       const size_t at = environment.find("OMPI_COMM_WORLD_RANK=");
-      if (at != std::string::npos) found[std::atoi(environment.c_str() + at + 21)] = std::atoi(name.c_str());
+      if (at != std::string::npos) ranks[std::atoi(name.c_str())] = std::atoi(environment.c_str() + at + 21);
+    }
+    std::map<int, pid_t> found;
+    for (const auto& [process, rank] : ranks) {
+      if (ranks.contains(parentOf(process)))
+        found[rank] = process;
+      else
+        found.try_emplace(rank, process);
     }
     return found;
+  }
+  static pid_t parentOf(pid_t process) {
+    const std::string status = contentOf("/proc/" + std::to_string(process) + "/status");
+    const size_t at = status.find("PPid:");
+    return at != std::string::npos ? std::atoi(status.c_str() + at + 5) : 0;
   }
 
   /// A server of four processes that is ready for clients; its URL.
@@ -223,12 +235,23 @@ TEST_F(Mpi, AProcessThatDiesEndsAll) {
   std::this_thread::sleep_for(milliseconds(700));
   kill(all.at(2), SIGKILL);
   EXPECT_LT(secondsToTheEnd(), 5.0);
-  EXPECT_NE(server_->wait().code, kSuccess);
+  const ProgramResult server = server_->wait();
+  EXPECT_EQ(server.code, kFailure);
+  EXPECT_THAT(server.err, testing::HasSubstr("warpscope: process 2 of 4 was ended by signal 9 (Killed)"));
   const auto deadline = std::chrono::steady_clock::now() + seconds(5);
   while (client.errSoFar().empty() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(10));
   EXPECT_THAT(client.errSoFar(), testing::HasSubstr("trying again"));
   EXPECT_EQ(client.wait().code, kFailure);
   EXPECT_FALSE(std::filesystem::exists(folder_.file("never.png")));
+}
+
+TEST_F(Mpi, NothingIsLeftOfAProcessThatIsNotWatchedAnyMore) {
+  startServer();
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  kill(parentOf(all.at(1)), SIGKILL);
+  EXPECT_LT(secondsToTheEnd(), 5.0);
+  EXPECT_NE(server_->wait().code, kSuccess);  // the launcher's: it has started that one itself
 }
 
 TEST_F(Mpi, ABrickThatCannotBeReadNamesFileProcessAndBytes) {

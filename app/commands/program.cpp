@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -220,6 +221,7 @@ int runToExitCode(int argc, char** argv) {
 }  // namespace
 
 int runProgram(int argc, char** argv) {
+  if (const std::optional<int> code = goOnWatched()) return *code;
   noteInheritedFiles();
   failInsteadOfDying();
   shareOpenGlDispatch();

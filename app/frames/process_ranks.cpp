@@ -23,6 +23,7 @@
 
 #include "app/frames/backend.h"
 #include "app/shell/interrupt.h"
+#include "app/shell/watched_process.h"
 #include "render/base/error.h"
 #include "render/base/memory_limit.h"
 #include "render/march/ray_relay.h"
@@ -107,10 +108,20 @@ void takeOwnDevice() {
   if (count > 1) setenv(kVisible, devices[static_cast<size_t>(*place % count)].c_str(), 1);
 }
 
+/// Processes that were started together.
+int countLaunched() { return numberOf({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}).value_or(1); }
+
 }  // namespace
 
+std::optional<int> goOnWatched() {
+  const int count = countLaunched();
+  if (count < 2) return {};
+  const std::optional<int> rank = numberOf({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"});
+  return goOnInChild("warpscope: " + (rank ? "process " + std::to_string(*rank) : std::string("one")) + " of " + std::to_string(count) + " ");
+}
+
 RanksPtr joinProcesses() {
-  const int count = numberOf({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}).value_or(1);
+  const int count = countLaunched();
   if (count < 2) return nullptr;
   takeOwnDevice();
   const std::string path = libraryPath();

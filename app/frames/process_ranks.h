@@ -2,10 +2,16 @@
 // MPI is a library beside the program (render/bricks/mpi_ranks.cpp), opened where a launcher of MPI's has started several processes.
 #pragma once
 
+#include <optional>
+
 #include "render/base/ranks.h"
 #include "render/bricks/brick_ranks.h"
 
 namespace warpscope {
+
+/// Where a launcher of MPI's has started several processes, goes on in a child of this one: shell/watched_process.h. Of a process that a signal has ended (SIGKILL, by whoever is
+/// out of memory) launchers tell the signal; so all of its user's programs get 1 as of any other failure, and a sentence says which process it was. Before anything else.
+std::optional<int> goOnWatched();
 
 /// Finds out whether mpirun, or another launcher, has started several processes, and meets the others. Null where this one is alone. Once, before any thread is started.
 /// Throws InputError where it was started so, but this build or machine has no MPI.

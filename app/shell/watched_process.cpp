@@ -1,0 +1,60 @@
+// Waiting for signals of a child, and for others'.
+// See watched_process.h.
+#include "app/shell/watched_process.h"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "app/shell/log.h"
+
+namespace warpscope {
+namespace {
+
+constexpr int kPassedOn[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2};
+constexpr int kEndedBySignal = 1;
+
+/// `asked`: signals that were passed on; of one of these nothing is said, since who sent it knows.
+int codeOf(int status, const sigset_t& asked, const std::string& self) {
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  if (sigismember(&asked, WTERMSIG(status)) == 0) printLine(self + "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")");
+  return kEndedBySignal;
+}
+
+}  // namespace
+
+std::optional<int> goOnInChild(const std::string& self) {
+  // Signals wait from here on, so that none is lost between the two.
+  std::signal(SIGCHLD, SIG_DFL);  // who ignores it, and whoever he starts, is never told
+  sigset_t waited{}, before{};
+  sigemptyset(&waited);
+  sigaddset(&waited, SIGCHLD);
+  for (const int number : kPassedOn) sigaddset(&waited, number);
+  sigprocmask(SIG_BLOCK, &waited, &before);
+  const pid_t watcher = getpid(), child = fork();
+  if (child <= 0) {
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+    if (child < 0) return {};
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != watcher) std::_Exit(kEndedBySignal);  // it was gone before that
+    return {};
+  }
+  sigset_t asked{};
+  sigemptyset(&asked);
+  for (;;) {
+    const int number = sigwaitinfo(&waited, nullptr);  // the least number first: what a whole group of processes is asked before what came of it
+    if (number > 0 && number != SIGCHLD) {
+      sigaddset(&asked, number);
+      kill(child, number);
+    }
+    int status = 0;
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return codeOf(status, asked, self);
+  }
+}
+
+}  // namespace warpscope
