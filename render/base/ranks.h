@@ -22,6 +22,17 @@ struct RankMessage {
   std::vector<std::byte> bytes;
 };
 
+/// One of several that divide something among themselves.
+struct Sharer {
+  size_t place = 0, count = 1;  ///< this one's among them
+};
+
+/// Which of `count` things are this one's, where all take about as many, in their order: [begin, end).
+inline std::pair<size_t, size_t> shareOf(const Sharer& sharer, size_t count) {
+  const auto before = [&](size_t place) { return count / sharer.count * place + count % sharer.count * place / sharer.count; };
+  return {before(sharer.place), before(sharer.place + 1)};
+}
+
 /// This process's end. For one thread at a time, but for wake().
 class Ranks {
  public:
@@ -68,11 +79,8 @@ class Ranks {
   /// Throws InputError, on all of them, where `own` is not the same everywhere: "`what`: process 2 of 4 has another than the first one".
   void requireSame(std::span<const std::byte> own, const std::string& what);
 
-  /// Which of `count` things are this rank's, where all take about as many, in their order: [begin, end).
-  std::pair<size_t, size_t> shareOf(size_t count) const {
-    const auto r = static_cast<size_t>(rank()), n = static_cast<size_t>(size());
-    return {count / n * r + count % n * r / n, count / n * (r + 1) + count % n * (r + 1) / n};
-  }
+  /// Which of `count` things are this rank's.
+  std::pair<size_t, size_t> shareOf(size_t count) const { return warpscope::shareOf({static_cast<size_t>(rank()), static_cast<size_t>(size())}, count); }
 
  protected:
   /// As receive(), of what has not been received yet.

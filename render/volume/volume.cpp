@@ -212,18 +212,12 @@ VoxelRows rowsFrom(size_t begin, size_t end, const glm::uvec3& dims) {
   return {{static_cast<uint32_t>(begin % dims.y), first}, {static_cast<uint32_t>(end - size_t{first} * dims.y), last}};
 }
 
-/// Who reads the same file, of which each looks at a share.
-struct Readers {
-  size_t place = 0, count = 1;  ///< this one's among them
-};
-
 constexpr size_t kWord = sizeof(uint64_t);  // that is hashed
 
-/// A reader's bytes: [begin, end).
-std::pair<size_t, size_t> bytesOf(const Readers& readers, size_t bytes) {
-  const size_t words = (bytes + kWord - 1) / kWord, each = words / readers.count, more = words % readers.count;
-  const auto before = [&](size_t place) { return std::min((each * place + std::min(place, more)) * kWord, bytes); };
-  return {before(readers.place), before(readers.place + 1)};
+/// Of those that read the same bytes, one's share: [begin, end).
+std::pair<size_t, size_t> bytesOf(const Sharer& reader, size_t bytes) {
+  const auto [firstWord, endWord] = shareOf(reader, (bytes + kWord - 1) / kWord);
+  return {firstWord * kWord, std::min(endWord * kWord, bytes)};
 }
 
 /// Of these bytes, of which somebody has said that they will be looked at; reads them in pieces. All readers' sum is that of all voxels.
@@ -263,9 +257,9 @@ void requireSameEverywhere(const Volume& volume, const std::string& stamp, uint6
   const std::vector<std::vector<std::byte>> stamps = volume.ranks()->allGather(std::as_bytes(std::span<const char>(stamp)));
   const bool isCertain = !stamps.front().empty() && std::ranges::adjacent_find(stamps, std::ranges::not_equal_to()) == stamps.end();
   const auto own = stamps.begin() + volume.ranks()->rank();
-  Readers readers;
-  if (!own->empty()) readers = {static_cast<size_t>(std::count(stamps.begin(), own, *own)), static_cast<size_t>(std::ranges::count(stamps, *own))};
-  const auto [firstByte, endByte] = bytesOf(readers, volume.sizeBytes());
+  Sharer reader;
+  if (!own->empty()) reader = {static_cast<size_t>(std::count(stamps.begin(), own, *own)), static_cast<size_t>(std::ranges::count(stamps, *own))};
+  const auto [firstByte, endByte] = bytesOf(reader, volume.sizeBytes());
   beginLooking((isCertain ? 0 : endByte - firstByte) + bytesAfterwards);  // all at once, so that what is left never grows
   if (!isCertain) {
     std::vector<uint64_t> hashes{hashOfShare(volume, firstByte, endByte, stop)};
