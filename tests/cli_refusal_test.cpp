@@ -82,6 +82,8 @@ TEST_F(Refusal, PathsThatCannotBeLookedAt) {
   expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
   folder_.write("session.json", "{\"warpscopeSession\": 1}");
   expectRefused(shot({"session.json"}), kFailure, {"session.json", "is a session, not a scene", "warpscope view FILE"});
+  folder_.write("presets.json", R"({"version": 3, "configurePresets": []})");
+  expectRefused(shot({"presets.json"}), kFailure, {"presets.json", "is not a scene, which has a name and a volume"});
   expectRefused({"view", "block", "--tf", "nowhere.json"}, kFailure, {"nowhere.json"});
   expectRefused({"view", "session.json", "--heuristic", "exit"}, kUsage, {"a session says that itself: leave out --heuristic"});
 }

@@ -38,9 +38,11 @@ TEST_F(SessionChoiceTest, TakesWhatIsBestAtThisAngleWithinTheBudget) {
   EXPECT_EQ(session_.panel(1).technique->name, "spheres");  // as it was chosen
   EXPECT_FALSE(session_.panel(1).isAutomatic);
 
+  EXPECT_NEAR(session_.angleDeg(0).value_or(-1.0), 0.0, 1e-3);
   freeze();  // so that the frame stays behind
   turn(session_, 20.0);
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "spheres"; }));
+  EXPECT_NEAR(session_.angleDeg(1).value_or(-1.0), 20.0, 3.0) << "about an axis that is not across what it looks along";
   EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("within 33 ms"));
 
   LiveSettings knobs = session_.knobs();

@@ -259,6 +259,8 @@ TEST_F(WindowScriptTest, AClickOnACornerChangesNothingAndUndoStaysWithItsScene) 
   const TransferFunction added = session_.scene()->transferFunction;
   window_.click(kChart);  // the corner that is there now
   EXPECT_EQ(session_.scene()->transferFunction, added);
+  window_.click(kChart + glm::vec2(9.0f, 0.0f));  // nearly
+  EXPECT_EQ(session_.scene()->transferFunction, added);
   press(Action::hideSideBar);
   ASSERT_TRUE(openAndRest("shells"));
   const TransferFunction shells = session_.scene()->transferFunction;

@@ -105,6 +105,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
                                         "front", "fovYDeg", "background", "views",            "march", "mask"};
   if (root.isObject() && root.find(kSessionKey)) root.fail("is a session, not a scene: `warpscope view FILE`, or File > Open in the window, goes on with it");
+  if (root.isObject() && !root.find("volume") && !root.find("name")) root.fail("is not a scene, which has a name and a volume");
   root.requireObject(kKeys);
   Scene scene;
   const Node name = root.at("name");

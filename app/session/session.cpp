@@ -465,4 +465,10 @@ std::optional<double> Session::ageMs(size_t panel, TimePoint now) const {
   return playback_.isOpen() ? playback_.ageMs(shown.requestId) : frames_.ageMs(shown.requestId, now);
 }
 
+std::optional<double> Session::angleDeg(size_t panel) const {
+  const SampleFramePtr& frame = frames_.newest();
+  if (!frame || pictureSize().x == 0 || pictureSize().y == 0) return std::nullopt;
+  return angleBetweenDeg(frame->camera, viewOf(panels_[panel]).cameraOfSize(pictureSize()));
+}
+
 }  // namespace warpscope

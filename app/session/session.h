@@ -212,6 +212,8 @@ class Session {
   uint32_t screenPixels() const { return view_.screenPixels(); }
   /// For how long the camera of the frame in `panel` has not been the current one any more: 0 while it is. Nothing without a frame.
   std::optional<double> ageMs(size_t panel, TimePoint now) const;
+  /// Between the newest frame's camera and that of the panel's view (angleBetweenDeg). Nothing without a frame.
+  std::optional<double> angleDeg(size_t panel) const;
 
  private:
   /// What is drawn for the window goes after the window itself, and what is marched after that. Null where there are cores for all of it.

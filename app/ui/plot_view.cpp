@@ -56,6 +56,30 @@ constexpr std::string_view kOfSweep = "sweep";
 
 std::string angleCount(size_t count) { return std::to_string(count) + (count == 1 ? " angle" : " angles"); }
 
+/// Between frame and view, where what is compared was seen; and where the view on show is, if it is at none of these.
+std::string comparedAt(const Session& session, size_t panel) {
+  constexpr size_t kMostAnglesNamed = 3;
+  const bool isMeasured = !session.fair().points().empty();
+  const std::vector<double>& seenDeg = session.liveFront().rankedAnglesDeg();
+  std::string text;
+  if (isMeasured) text = formatted(", mean of %g° to %g°", kFairAnglesDeg.front(), kFairAnglesDeg.back());
+  else if (seenDeg.size() > kMostAnglesNamed) text = ", at " + angleCount(seenDeg.size());
+  else
+    for (const double fromDeg : seenDeg) text += (text.empty() ? ", at " : ", ") + formatted("%g°", fromDeg, 0.0);
+  const std::optional<double> angleDeg = session.angleDeg(panel);
+  const auto isOfView = [&](double fromDeg) { return *angleDeg >= fromDeg && *angleDeg < fromDeg + LiveFront::kBucketDeg; };
+  if (!text.empty() && angleDeg && (isMeasured || std::ranges::none_of(seenDeg, isOfView))) text += formatted("; this view: %.3g°", *angleDeg, 0.0);
+  return text;
+}
+
+/// A technique's color and name, each once, for where there is no list.
+std::vector<ScatterLook::Entry> legendOf(const std::vector<const Configuration*>& configurations) {
+  std::vector<ScatterLook::Entry> legend;
+  for (const Configuration* configuration : configurations)
+    if (const std::string name(configuration->technique->label); std::ranges::find(legend, name, &ScatterLook::Entry::name) == legend.end()) legend.push_back({name, colorOf(*configuration->technique)});
+  return legend;
+}
+
 /// Where a point stands among the others, and why.
 std::string standingOf(const LiveFront::Point& point, const std::vector<double>& rankedDeg) {
   switch (point.standing) {
@@ -257,15 +281,16 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
                                                     : "points come when the view rests";
   plot.small = look.fonts.small;
   plot.scale = look.scale;
+  if (!hasList) plot.legend = legendOf(shown.configurations);
   const float plotWidth = hasList ? room.x - listWidth - look.px(8.0f) : room.x;
   std::optional<size_t> chosen = drawScatterPlot("points", shown.points, {plotWidth, room.y}, plot).clicked;
   if (hasList) {
     ImGui::SameLine(0.0f, look.px(8.0f));
     ImGui::BeginChild("front", {listWidth, room.y}, false);
     ImGui::PushFont(look.fonts.small);
-    const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
-    const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
-    ImGui::TextColored(palette().dimText, "Nothing beats these (rings)%s:", where.c_str());
+    const std::string heading = "Nothing beats these (rings)" + comparedAt(session, panel) + ":";
+    ImGui::TextColored(palette().dimText, "%s", fitting(heading, ImGui::GetContentRegionAvail().x).c_str());
+    tooltip("Degrees between a frame and the view that it was warped to: errors grow with them.", look);
     if (shown.front.empty()) ImGui::TextColored(palette().faintText, "%s", shown.points.empty() ? "points come when the view rests" : "none were seen at one angle yet");
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];

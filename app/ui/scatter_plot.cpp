@@ -70,6 +70,18 @@ void drawPoint(ImDrawList& list, const ScatterPoint& point, const ImVec2& at, bo
   if (point.isMarked) list.AddCircle(at, radius, ImGui::GetColorU32(ImGuiCol_Text), 0, line);
 }
 
+void drawLegend(ImDrawList& list, const Frame& frame, const ScatterLook& look) {
+  const float line = sizeOf("0", look).y, gap = 4.0f * look.scale;
+  ImVec2 at{frame.to.x - gap, frame.from.y + gap};
+  for (const ScatterLook::Entry& entry : look.legend) {
+    if (at.y + line > frame.to.y) break;
+    const float left = at.x - sizeOf(entry.name, look).x;
+    drawText(list, {left, at.y}, palette().dimText, entry.name, look);
+    list.AddCircleFilled({left - 2.0f * gap, at.y + 0.5f * line}, kRadiusPx * look.scale, entry.color);
+    at.y += line;
+  }
+}
+
 void showLabel(const std::string& label, const ScatterLook& look) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8.0f * look.scale, 6.0f * look.scale});
   ImGui::BeginTooltip();
@@ -103,6 +115,7 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
   x.settle();
   y.settle();
   drawTicks(list, x, y, frame, look);
+  drawLegend(list, frame, look);
 
   const auto placeOf = [&](const ScatterPoint& point) { return ImVec2(static_cast<float>(x.place(point.x)), static_cast<float>(y.place(point.y))); };
   const ImVec2 pointer = ImGui::GetIO().MousePos;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "app/ui/texture.h"
 
@@ -24,8 +25,13 @@ struct ScatterPoint {
 };
 
 struct ScatterLook {
+  struct Entry {
+    std::string name;
+    ImU32 color = 0;
+  };
   std::string xLabel, yLabel;
   std::string emptyText;    ///< where points would be
+  std::vector<Entry> legend;  ///< beneath the points, from the upper right corner down
   ImFont* small = nullptr;  ///< of ticks and labels
   const WindowGl* gl = nullptr;
   float scale = 1.0f;       ///< ImGui units that a length of 1 at scale 1 takes

@@ -20,7 +20,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f, kClickPx = 2.0f;  // at scale 1
+constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 11.0f, kOnCurvePx = 8.0f, kClickPx = 2.0f;  // at scale 1
 constexpr const char* kRemoved = "the corner is gone; Ctrl+Z brings it back";
 constexpr std::string_view kHandling = "Left button: drag a corner, or click for a new one; here it is then typed. Right button: a drag moves opacities and colours together, up "
                                        "and down widens and narrows them; a click on a corner removes it, as does Delete the chosen one while the pointer is here.";
@@ -146,12 +146,14 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   const Chart chart = chartOf(session, from, to);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   reading_.clear();
-  const float reach = look.px(kReachPx);
-  std::optional<size_t> near;
-  for (size_t i = 0; i < curves_.opacities.size(); ++i) {
+  std::optional<size_t> near;  // the nearest
+  float nearest = look.px(kReachPx);
+  for (size_t i = 0; isHovered && i < curves_.opacities.size(); ++i) {
     const OpacityCorner& corner = curves_.opacities[i];
-    const float dx = chart.x(corner.value) - mouse.x, dy = chart.y(corner.alpha) - mouse.y;
-    if (isHovered && dx * dx + dy * dy <= reach * reach) near = i;
+    const float distance = std::hypot(chart.x(corner.value) - mouse.x, chart.y(corner.alpha) - mouse.y);
+    if (distance > nearest) continue;
+    nearest = distance;
+    near = i;
   }
   const auto take = [&](Grip grip) {
     grip_ = grip;
@@ -166,7 +168,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     color_.reset();
     // On the curve it lies where that was until it is dragged; beside the curve the curve goes to it.
     const float onCurve = chart.y(curves_.opacities[*opacity_].alpha);
-    if (!near && std::abs(onCurve - mouse.y) > reach) moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
+    if (!near && std::abs(onCurve - mouse.y) > look.px(kOnCurvePx)) moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
     if (!near) apply(session);
   } else if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
     take(Grip::window);
@@ -213,6 +215,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     list->AddRectFilled({chart.x(lower), to.y - height * (to.y - from.y)}, {std::max(chart.x(lower + binWidth), chart.x(lower) + 1.0f), to.y},
                         ImGui::GetColorU32(palette().histogram));
   }
+  drawOpacities(*list, chart, look);
   std::vector<ImVec2> line{{from.x, chart.y(curves_.opacities.front().alpha)}};
   // Straight in opacity is not straight here.
   const TransferFunction& function = session.scene()->transferFunction;
@@ -236,8 +239,22 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
   list->PopClipRect();
   if (!isHovered && grip_ == Grip::none) return;
-  const double value = chart.value(mouse.x);
-  reading_ = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
+  // Of the corner that is held or would be, else of the curve.
+  const std::optional<size_t> corner = grip_ == Grip::opacity ? opacity_ : grip_ == Grip::none ? near : std::nullopt;
+  const double value = corner ? curves_.opacities[*corner].value : chart.value(mouse.x);
+  const double alpha = corner ? static_cast<double>(curves_.opacities[*corner].alpha) : static_cast<double>(function.at(value).a);
+  reading_ = std::string(corner ? "corner at " : "") + formatted("%.4g", value) + formatted(": opacity %.3g", alpha);
+}
+
+void TransferEditor::drawOpacities(ImDrawList& list, const Chart& chart, const Look& look) {
+  ImGui::PushFont(look.fonts.small);
+  const ImU32 lineColor = ImGui::GetColorU32(ImGuiCol_Separator, 0.6f), textColor = ImGui::GetColorU32(palette().faintText);
+  for (const float alpha : {0.1f, 0.5f}) {
+    const float y = chart.y(alpha);
+    list.AddLine({chart.from.x, y}, {chart.to.x, y}, lineColor);
+    list.AddText({chart.from.x + look.px(2.0f), y}, textColor, formatted("%g", static_cast<double>(alpha)).c_str());
+  }
+  ImGui::PopFont();
 }
 
 void TransferEditor::drawAxis(const Session& session, const Look& look) const {

@@ -57,6 +57,7 @@ class TransferEditor {
   void show(Session& session, const TransferFunction& function);
   void apply(Session& session);
   void drawChart(Session& session, const Look& look);
+  static void drawOpacities(ImDrawList& list, const Chart& chart, const Look& look);
   void drawColorBar(Session& session, const Look& look);
   /// The values beneath both.
   void drawAxis(const Session& session, const Look& look) const;
