@@ -340,6 +340,22 @@ TEST_F(Mpi, EndsSoonWhileNobodyWaitsForWhatIsUnderWay) {
   EXPECT_LT(secondsToTheEnd(), 5.0);
 }
 
+/// What is sent while a volume is opened may be longer than MPI takes at once: the first process, which then waits for clients, has to see to the rest of it.
+TEST_F(Mpi, ASignalToAnyProcessOfAnIdleServerEndsAll) {
+  const std::string name = "hole_1024x1024x64_uint16.raw";
+  std::ofstream(folder_.file(name), std::ios::binary);
+  std::filesystem::resize_file(folder_.file(name), uint64_t{128} << 20);
+  for (const int told : {0, 3}) {
+    SCOPED_TRACE(told);
+    startServer({name});
+    const std::map<int, pid_t> all = processes();
+    ASSERT_EQ(all.size(), 4u);
+    kill(all.at(told), SIGTERM);
+    EXPECT_LT(secondsToTheEnd(), 5.0);
+    EXPECT_EQ(server_->wait().code, told == 0 ? kSuccess : kFailure);
+  }
+}
+
 TEST_F(Mpi, AClientIsOneProcess) {
   const ProgramResult result = runAsMany(2, {"shot", "--connect", "warp://127.0.0.1:1", "-o", "a.png"});
   EXPECT_EQ(result.code, kUsage);

@@ -49,10 +49,10 @@ class MpiRanks final : public Ranks {
     MPI_Allgather(own.data(), kLongestName, MPI_CHAR, all.data(), kLongestName, MPI_CHAR, MPI_COMM_WORLD);
     for (size_t other = 0; other < static_cast<size_t>(size_); ++other) isNear_.push_back(std::strcmp(own.data(), all.data() + kLongestName * other) == 0);
     silent_.resize(isNear_.size());
-    alive_ = std::jthread([this](const std::stop_token& stop) { sayIsAlive(stop); });
+    attendant_ = std::jthread([this](const std::stop_token& stop) { attend(stop); });
   }
   ~MpiRanks() override {
-    alive_ = {};
+    attendant_ = {};
     // What nobody wants any more is still received, on both sides, until all have come so far: a send that is not would keep MPI from its end.
     while (!sending_.empty()) {
       look();
@@ -77,6 +77,7 @@ class MpiRanks final : public Ranks {
     Sent& sent = sending_.emplace_back();
     sent.bytes = std::move(bytes);
     MPI_Isend(sent.bytes.data(), static_cast<int>(sent.bytes.size()), MPI_BYTE, to, kind + kTagOfZero, MPI_COMM_WORLD, &sent.request);
+    hasSent_.notify_one();
   }
   void wake() override {
     const std::scoped_lock lock(mutex_);
@@ -97,6 +98,9 @@ class MpiRanks final : public Ranks {
 
   /// As long as a message that has begun to come is waited for at a time, without a pause.
   static constexpr std::chrono::milliseconds kReceiving = 5ms;
+
+  /// As long as nobody has to look for the attendant to do it.
+  static constexpr std::chrono::milliseconds kUnseen = 5ms;
 
   struct Receiving {
     RankMessage message;
@@ -131,6 +135,7 @@ class MpiRanks final : public Ranks {
   }
 
   std::optional<RankMessage> look() {
+    lastLook_ = std::chrono::steady_clock::now();
     dropSent();
     const std::scoped_lock lock(calls_);
     for (;;) {
@@ -167,13 +172,26 @@ class MpiRanks final : public Ranks {
     return isDone;
   }
 
-  void sayIsAlive(const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any over;
-    for (std::unique_lock lock(mutex); isOpening_ && !stop.stop_requested(); over.wait_for(lock, stop, kAliveEvery, [] { return false; })) {
-      for (int other = 0; other < size_; ++other)
-        if (other != rank_ && (rank_ == 0 || other == 0)) send(other, kAlive, {});
-      dropSent();  // moves them on where this process is long at something else
+  /// Beside whoever receives: while a volume is opened, says that this process is there; and moves on what has been sent where nobody looks for long, because he is at something else
+  /// or has nothing to wait for. Else others wait for the rest of it, a core busy each.
+  void attend(const std::stop_token& stop) {
+    std::chrono::steady_clock::time_point saidAlive;
+    while (!stop.stop_requested()) {
+      const auto now = std::chrono::steady_clock::now();
+      if (isOpening_ && now - saidAlive >= kAliveEvery) {
+        saidAlive = now;
+        for (int other = 0; other < size_; ++other)
+          if (other != rank_ && (rank_ == 0 || other == 0)) send(other, kAlive, {});
+      }
+      const bool isLookedAfter = now - lastLook_.load() < kUnseen;
+      if (!isLookedAfter) dropSent();
+      std::unique_lock lock(calls_);
+      if (sending_.empty()) {
+        hasSent_.wait_for(lock, stop, kAliveEvery, [this] { return !sending_.empty(); });
+      } else {
+        lock.unlock();
+        std::this_thread::sleep_for(isLookedAfter ? kUnseen : kShortest);
+      }
     }
   }
 
@@ -199,13 +217,15 @@ class MpiRanks final : public Ranks {
   std::atomic<bool> isOpening_ = true;
   std::vector<std::chrono::steady_clock::duration> silent_;  // by rank: how long has been waited since one has said something. Of receivers
   std::chrono::steady_clock::time_point lastMoved_;  // of receivers
+  std::atomic<std::chrono::steady_clock::time_point> lastLook_{};
   std::mutex calls_;  // of MPI, but for the last
+  std::condition_variable_any hasSent_;  // with it
   std::deque<Sent> sending_;
   std::optional<Receiving> receiving_;  // the message that comes first; those behind it wait
   std::mutex mutex_;  // of what follows
   std::condition_variable woken_;
   bool isWoken_ = false;
-  std::jthread alive_;
+  std::jthread attendant_;
 };
 
 }  // namespace
