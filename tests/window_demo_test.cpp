@@ -116,6 +116,10 @@ TEST_F(WindowCornerTest, DeleteRemovesTheChosenOneWhileThePointerIsThere) {
   EXPECT_NE(session_.scene()->transferFunction, withCorner);
   EXPECT_THAT(window_.view().note(), testing::StartsWith("the corner is gone"));
   EXPECT_EQ(session_.panelCount(), 2u);
+  // The last one, behind which there is none.
+  const TransferFunction without = session_.scene()->transferFunction;
+  window_.click({1251.0f, 161.0f}, 1);
+  EXPECT_NE(session_.scene()->transferFunction, without);
 }
 
 }  // namespace

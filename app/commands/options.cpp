@@ -286,6 +286,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     };
     work.remote = connectMarcher(io, *server, plain, work.sayBusy, work.backend);
   } else {
+    if (processRanks()) processRanks()->endWith(stop);
     work.scene = work.open(stop);
     if (const RanksPtr& ranks = processRanks()) {
       requireSameScene(work.scene, *ranks);

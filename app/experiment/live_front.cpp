@@ -20,10 +20,6 @@ constexpr std::ptrdiff_t kOnShow = 6;
 
 static_assert(LiveFront::kBuckets <= 64, "a set of buckets is a word");
 
-size_t bucketOf(double angleDeg) {
-  return static_cast<size_t>(std::min(std::floor(std::abs(angleDeg) / LiveFront::kBucketDeg), static_cast<double>(LiveFront::kBuckets - 1)));
-}
-
 bool holds(uint64_t set, uint64_t part) { return (set & part) == part; }
 
 /// The angles to rank by, one bit each: those which the most comparisons rest on, given where each configuration was seen. Finding the best of all sets
@@ -55,6 +51,8 @@ uint64_t blockOf(const std::vector<uint64_t>& seen) {
 }
 
 }  // namespace
+
+size_t LiveFront::bucketOf(double angleDeg) { return static_cast<size_t>(std::min(std::floor(std::abs(angleDeg) / kBucketDeg), static_cast<double>(kBuckets - 1))); }
 
 void LiveFront::setPictureSize(const glm::uvec2& size) {
   if (pictureSize_ == size) return;

@@ -25,6 +25,7 @@ class LiveFront {
   static constexpr size_t kMostTimes = 15;   ///< at one angle: the last, of which the median counts
   static constexpr double kBucketDeg = 2.5;  ///< width of a bucket of angles: those in it count as one
   static constexpr size_t kBuckets = 36;     ///< the last also holds all angles above
+  static size_t bucketOf(double angleDeg);
 
   /// Angles from `fromDeg` to the next bucket's.
   struct Bucket {

@@ -23,6 +23,7 @@
 
 #include "app/frames/backend.h"
 #include "app/shell/interrupt.h"
+#include "app/shell/log.h"
 #include "app/shell/watched_process.h"
 #include "render/base/error.h"
 #include "render/base/memory_limit.h"
@@ -37,7 +38,7 @@ struct Joined {
   BrickLeaderPtr leader;
 };
 Joined& joined() {
-  static Joined processes;
+  static Joined& processes = *new Joined;  // never torn down: an MPI that ends a process by exit() would come to itself again
   return processes;
 }
 
@@ -134,6 +135,7 @@ RanksPtr joinProcesses() {
   std::string reason;
   joined().ranks.reset(make(&reason));
   if (!joined().ranks) throw InputError(reason);
+  joined().ranks->complainBy([](const std::string& sentence) { printLine("warpscope: " + sentence); });
   if (const int known = joined().ranks->size(); known != count)
     throw InputError("the launcher started " + std::to_string(count) + " processes, but MPI knows of " + std::to_string(known) +
                      ": they are of different kinds; with Slurm, try srun --mpi=pmix");
@@ -159,8 +161,8 @@ BrickLeaderPtr leaderOf(const VolumePtr& volume, Backend backend) {
 }
 
 void followFirst(const VolumePtr& volume, Backend backend, const std::stop_token& stop) {
-  // Whoever started this process ends the others, if that is not what it is doing already.
-  if (!followRanks(volume, stop, makePieces(backend))) std::_Exit(1);
+  // Where it has not ended all already, whoever started this process may let the others be.
+  if (!followRanks(volume, stop, makePieces(backend))) endProcesses(1);
 }
 
 void leaveProcesses(int code) {

@@ -15,10 +15,12 @@
 namespace warpscope {
 namespace {
 
-constexpr int kPassedOn[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2};
+constexpr int kPassedOn[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGTSTP, SIGCONT};
 constexpr int kEndedBySignal = 1;
 
-/// `asked`: signals that were passed on; of one of these nothing is said, since who sent it knows.
+bool isWishToEnd(int number) { return number == SIGINT || number == SIGTERM || number == SIGHUP; }
+
+/// `asked`: to end, by these signals; of one of these nothing is said, since who sent it knows.
 int codeOf(int status, const sigset_t& asked, const std::string& self) {
   if (WIFEXITED(status)) return WEXITSTATUS(status);
   if (sigismember(&asked, WTERMSIG(status)) == 0) printLine(self + "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")");
@@ -39,17 +41,20 @@ std::optional<int> goOnInChild(const std::string& self) {
   if (child <= 0) {
     sigprocmask(SIG_SETMASK, &before, nullptr);
     if (child < 0) return {};
+    setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != watcher) std::_Exit(kEndedBySignal);  // it was gone before that
     return {};
   }
+  setpgid(child, child);  // whichever of the two comes first
   sigset_t asked{};
   sigemptyset(&asked);
   for (;;) {
-    const int number = sigwaitinfo(&waited, nullptr);  // the least number first: what a whole group of processes is asked before what came of it
+    const int number = sigwaitinfo(&waited, nullptr);
     if (number > 0 && number != SIGCHLD) {
-      sigaddset(&asked, number);
+      if (isWishToEnd(number)) sigaddset(&asked, number);
       kill(child, number);
+      if (number == SIGTSTP) std::raise(SIGSTOP);  // until it is told to go on
     }
     int status = 0;
     const pid_t ended = waitpid(child, &status, WNOHANG);

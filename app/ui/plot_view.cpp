@@ -56,20 +56,24 @@ constexpr std::string_view kOfSweep = "sweep";
 
 std::string angleCount(size_t count) { return std::to_string(count) + (count == 1 ? " angle" : " angles"); }
 
-/// Between frame and view, where what is compared was seen; and where the view on show is, if it is at none of these.
-std::string comparedAt(const Session& session, size_t panel) {
+/// At which angles between frame and view what is compared was seen.
+std::string comparedAt(const Session& session) {
   constexpr size_t kMostAnglesNamed = 3;
-  const bool isMeasured = !session.fair().points().empty();
+  if (!session.fair().points().empty()) return formatted(", mean of %g° to %g°", kFairAnglesDeg.front(), kFairAnglesDeg.back());
   const std::vector<double>& seenDeg = session.liveFront().rankedAnglesDeg();
+  if (seenDeg.size() > kMostAnglesNamed) return ", at " + angleCount(seenDeg.size());
   std::string text;
-  if (isMeasured) text = formatted(", mean of %g° to %g°", kFairAnglesDeg.front(), kFairAnglesDeg.back());
-  else if (seenDeg.size() > kMostAnglesNamed) text = ", at " + angleCount(seenDeg.size());
-  else
-    for (const double fromDeg : seenDeg) text += (text.empty() ? ", at " : ", ") + formatted("%g°", fromDeg, 0.0);
-  const std::optional<double> angleDeg = session.angleDeg(panel);
-  const auto isOfView = [&](double fromDeg) { return *angleDeg >= fromDeg && *angleDeg < fromDeg + LiveFront::kBucketDeg; };
-  if (!text.empty() && angleDeg && (isMeasured || std::ranges::none_of(seenDeg, isOfView))) text += formatted("; this view: %.3g°", *angleDeg, 0.0);
+  for (const double fromDeg : seenDeg) text += (text.empty() ? ", at " : ", ") + formatted("%g°", fromDeg, 0.0);
   return text;
+}
+
+/// The view on show, where the figures are of others; else nothing.
+std::string viewApart(const Session& session, size_t panel) {
+  const std::optional<double> angleDeg = session.angleDeg(panel);
+  if (!angleDeg) return "";
+  const double fromDeg = static_cast<double>(LiveFront::bucketOf(*angleDeg)) * LiveFront::kBucketDeg;
+  if (session.fair().points().empty() && std::ranges::find(session.liveFront().rankedAnglesDeg(), fromDeg) != session.liveFront().rankedAnglesDeg().end()) return "";
+  return formatted("this view is %.3g° from its frame", *angleDeg, 0.0);
 }
 
 /// A technique's color and name, each once, for where there is no list.
@@ -288,9 +292,9 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::SameLine(0.0f, look.px(8.0f));
     ImGui::BeginChild("front", {listWidth, room.y}, false);
     ImGui::PushFont(look.fonts.small);
-    const std::string heading = "Nothing beats these (rings)" + comparedAt(session, panel) + ":";
-    ImGui::TextColored(palette().dimText, "%s", fitting(heading, ImGui::GetContentRegionAvail().x).c_str());
-    tooltip("Degrees between a frame and the view that it was warped to: errors grow with them.", look);
+    constexpr std::string_view kOfAngles = "Degrees between a frame and the view that it is warped to: errors grow with them.";
+    ImGui::TextColored(palette().dimText, "Nothing beats these (rings)%s:", comparedAt(session).c_str());
+    tooltip(std::string(kOfAngles), look);
     if (shown.front.empty()) ImGui::TextColored(palette().faintText, "%s", shown.points.empty() ? "points come when the view rests" : "none were seen at one angle yet");
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
@@ -308,6 +312,10 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
       tooltip(point.label, look);
       ImGui::Unindent(look.px(16.0f));
       ImGui::PopID();
+    }
+    if (const std::string apart = viewApart(session, panel); !apart.empty() && !shown.front.empty()) {
+      ImGui::TextColored(palette().faintText, "%s", apart.c_str());
+      tooltip(std::string(kOfAngles), look);
     }
     if (!shown.points.empty()) {
       ImGui::TextColored(palette().faintText, "%s", sweep_ ? "white rim: on show; faint: not compared; hollow: the sweep's" : "white rim: on show; faint: not compared");

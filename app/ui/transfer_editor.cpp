@@ -20,7 +20,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 11.0f, kOnCurvePx = 8.0f, kClickPx = 2.0f;  // at scale 1
+constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 11.0f, kOnCurvePx = 8.0f, kColorReachPx = 6.0f, kClickPx = 2.0f;  // at scale 1
 constexpr const char* kRemoved = "the corner is gone; Ctrl+Z brings it back";
 constexpr std::string_view kHandling = "Left button: drag a corner, or click for a new one; here it is then typed. Right button: a drag moves opacities and colours together, up "
                                        "and down widens and narrows them; a click on a corner removes it, as does Delete the chosen one while the pointer is here.";
@@ -35,6 +35,19 @@ bool isDeletePressed() {
 /// Faint opacities have room, too.
 float heightOf(float alpha) { return std::sqrt(alpha); }
 float alphaAt(float height) { return height * height; }
+
+/// Of these the one at the least distance, if that is within reach.
+template <class Thing, class Distance>
+std::optional<size_t> nearestOf(const std::vector<Thing>& things, const Distance& distanceTo, float reach) {
+  std::optional<size_t> nearest;
+  for (size_t i = 0; i < things.size(); ++i) {
+    const float distance = distanceTo(things[i]);
+    if (distance > reach) continue;
+    reach = distance;
+    nearest = i;
+  }
+  return nearest;
+}
 
 }  // namespace
 
@@ -146,15 +159,11 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   const Chart chart = chartOf(session, from, to);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   reading_.clear();
-  std::optional<size_t> near;  // the nearest
-  float nearest = look.px(kReachPx);
-  for (size_t i = 0; isHovered && i < curves_.opacities.size(); ++i) {
-    const OpacityCorner& corner = curves_.opacities[i];
-    const float distance = std::hypot(chart.x(corner.value) - mouse.x, chart.y(corner.alpha) - mouse.y);
-    if (distance > nearest) continue;
-    nearest = distance;
-    near = i;
-  }
+  const auto findNear = [&] {
+    const auto distanceTo = [&](const OpacityCorner& corner) { return std::hypot(chart.x(corner.value) - mouse.x, chart.y(corner.alpha) - mouse.y); };
+    return isHovered ? nearestOf(curves_.opacities, distanceTo, look.px(kReachPx)) : std::nullopt;
+  };
+  const std::optional<size_t> near = findNear();
   const auto take = [&](Grip grip) {
     grip_ = grip;
     curvesAtGrip_ = curves_;
@@ -239,8 +248,8 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
   list->PopClipRect();
   if (!isHovered && grip_ == Grip::none) return;
-  // Of the corner that is held or would be, else of the curve.
-  const std::optional<size_t> corner = grip_ == Grip::opacity ? opacity_ : grip_ == Grip::none ? near : std::nullopt;
+  // Of the corner that is held or would be, as corners are by now, else of the curve.
+  const std::optional<size_t> corner = grip_ == Grip::opacity ? opacity_ : grip_ == Grip::none ? findNear() : std::nullopt;
   const double value = corner ? curves_.opacities[*corner].value : chart.value(mouse.x);
   const double alpha = corner ? static_cast<double>(curves_.opacities[*corner].alpha) : static_cast<double>(function.at(value).a);
   reading_ = std::string(corner ? "corner at " : "") + formatted("%.4g", value) + formatted(": opacity %.3g", alpha);
@@ -280,9 +289,8 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
   const Chart chart = chartOf(session, from, to);
   const bool isHovered = ImGui::IsItemHovered();
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  std::optional<size_t> near;
-  for (size_t i = 0; i < curves_.colors.size(); ++i)
-    if (isHovered && std::abs(chart.x(curves_.colors[i].value) - mouse.x) <= look.px(0.75f * kReachPx)) near = i;
+  const auto distanceTo = [&](const ColorCorner& corner) { return std::abs(chart.x(corner.value) - mouse.x); };
+  const std::optional<size_t> near = isHovered ? nearestOf(curves_.colors, distanceTo, look.px(kColorReachPx)) : std::nullopt;
   if (isHovered && (ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right))) takeTyped(session);
   if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
     grip_ = Grip::color;

@@ -90,6 +90,7 @@ RankMessage Ranks::await(int kind, int from) {
     return message;
   }
   while (true) {
+    if (stop_.stop_requested()) throw OperationCancelled();
     std::optional<RankMessage> message = receiveOther(kPatience);
     if (!message) continue;
     if (isIt(*message)) return std::move(*message);

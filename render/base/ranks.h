@@ -2,14 +2,17 @@
 // What connects them is somebody else's: MPI, or threads of one process.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,8 +64,18 @@ class Ranks {
 
   // Of all ranks together: each calls the same, in the same order, and waits for the others. Other messages meanwhile are kept for receive().
 
-  /// False: the others are busy with something else, and these calls throw std::logic_error instead of waiting for ever. At first true.
-  void setTogether(bool isTogether) { isTogether_ = isTogether; }
+  /// False: the others are busy with something else, and these calls throw std::logic_error instead of waiting for ever. At first true. While it is true, who says nothing for
+  /// too long is not waited for, where what connects ranks can tell.
+  virtual void setTogether(bool isTogether) { isTogether_ = isTogether; }
+  bool isTogether() const { return isTogether_; }
+  /// From when that is set on, who waits for others in these calls does not any more: they throw OperationCancelled. Whoever works at something long between them looks at it as well.
+  void endWith(std::stop_token stop) { stop_ = std::move(stop); }
+  const std::stop_token& stop() const { return stop_; }
+  /// To be called with a sentence before abort() where work of all together has failed; at first nothing.
+  void complainBy(std::function<void(const std::string&)> complain) { complain_ = std::move(complain); }
+  void complain(const std::string& sentence) const {
+    if (complain_) complain_(sentence);
+  }
 
   /// What each has brought, by rank.
   std::vector<std::vector<std::byte>> allGather(std::span<const std::byte> own);
@@ -94,12 +107,29 @@ class Ranks {
   /// As receiveNew(), of what is not kLastWord.
   std::optional<RankMessage> receiveOther(std::chrono::microseconds atMost);
 
-  bool isTogether_ = true;
+  std::atomic<bool> isTogether_ = true;
+  std::stop_token stop_;
+  std::function<void(const std::string&)> complain_;
   int lastWordOf_ = std::numeric_limits<int>::max();  // the lowest that has claimed it
   std::deque<RankMessage> kept_;  // received before somebody asked for them
 };
 
 using RanksPtr = std::shared_ptr<Ranks>;
+
+/// While it lives, all ranks do the same: Ranks::setTogether().
+class Together {
+ public:
+  explicit Together(Ranks& ranks) : ranks_(ranks) { ranks_.setTogether(true); }
+  ~Together() { ranks_.setTogether(false); }
+  Together(const Together&) = delete;
+  Together& operator=(const Together&) = delete;
+
+ private:
+  Ranks& ranks_;
+};
+
+/// Ranks::stop(), or nothing that is ever set where there are no ranks.
+inline std::stop_token stopOf(const RanksPtr& ranks) { return ranks ? ranks->stop() : std::stop_token(); }
 
 /// Ranks::shareOf(), or all of them where there are no ranks.
 inline std::pair<size_t, size_t> shareOf(const RanksPtr& ranks, size_t count) { return ranks ? ranks->shareOf(count) : std::pair<size_t, size_t>{0, count}; }

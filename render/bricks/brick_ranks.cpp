@@ -236,16 +236,21 @@ class BrickLeader {
   void withoutFailing(const Work& work) noexcept {
     try {
       work();
+      return;
+    } catch (const OperationCancelled&) {
+      work_.ranks().complain("stopped while all processes were at something together");
+    } catch (const std::exception& error) {
+      work_.ranks().complain(error.what());
     } catch (...) {
-      work_.ranks().abort(1);
+      work_.ranks().complain("something that all processes were at together has failed");
     }
+    work_.ranks().abort(1);
   }
   /// What all ranks do at the same time.
   template <class Work>
   void together(const Work& work) {
-    work_.ranks().setTogether(true);
+    const Together all(work_.ranks());
     withoutFailing(work);
-    work_.ranks().setTogether(false);
   }
 
   /// However a frame ends.
@@ -422,6 +427,11 @@ MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunc
 
 bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMaker makePieces) {
   BrickWork work(volume, std::move(makePieces));
+  work.ranks().setTogether(false);
+  const auto together = [&](const auto& all) {
+    const Together isTogether(work.ranks());
+    all();
+  };
   std::deque<RankMessage> early;  // tiles of frames that this rank has not been told of yet
   const auto deliver = [&](RankMessage message) {
     const uint64_t frame = BrickFrame::frameOf(message);
@@ -444,15 +454,15 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMake
     std::optional<RankMessage> message = work.ranks().receive(kPatience);
     if (!message) continue;
     switch (message->kind) {
-      case kFunctionMessage: work.addFunction(functionOf(message->bytes)); break;
+      case kFunctionMessage: together([&] { work.addFunction(functionOf(message->bytes)); }); break;
       case kForgetMessage: work.forgetFunction(RankReader(message->bytes).get<uint32_t>()); break;
       case kProxyMessage: {
         RankReader reader(message->bytes);
         const auto function = reader.get<uint32_t>();
-        work.proxyFor(function, reader.get<int>());
+        together([&] { work.proxyFor(function, reader.get<int>()); });
         break;
       }
-      case kLightMessage: work.makeLightCopy(RankReader(message->bytes).get<uint32_t>()); break;
+      case kLightMessage: together([&] { work.makeLightCopy(RankReader(message->bytes).get<uint32_t>()); }); break;
       case kOrderMessage: {
         endFrame();
         FrameOrder order = FrameOrder::ofBytes(message->bytes);

@@ -36,13 +36,13 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
 void BrickWork::makeLightCopy(uint32_t index) {
   end();  // of voxels others are needed now
   Function& function = functions_.at(index);
-  function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge)));
+  function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge, ranks().stop())));
   function.hasLightCopy = true;
   releaseShare();
 }
 
 ProxyPtr BrickWork::proxyFor(uint32_t index, int longest) {
-  ProxyPtr proxy = functions_.at(index).marched->proxyFor(longest, {});
+  ProxyPtr proxy = functions_.at(index).marched->proxyFor(longest, ranks().stop());
   if (std::exchange(lastProxy_, proxy) != proxy) releaseShare();
   return proxy;
 }

@@ -29,10 +29,11 @@ using namespace std::chrono_literals;
 /// Kinds below 0 are messages as well; tags are not.
 constexpr int kTagOfZero = 16;
 
-/// Of messages that say nothing but that their sender is there. All ranks together wait for one another only while a volume is opened, before anything of a kind from 0 on is sent: who
+/// Of messages that say nothing but that their sender is there, while all ranks are at something together and wait for one another: who
 /// looks through gigabytes may take minutes, but who is stopped or has lost its machine is not to be waited for. Such messages go to the first rank, and from it to all.
 constexpr int kAlive = -9;
 constexpr std::chrono::seconds kAliveEvery = 2s, kSilence = 10s;
+constexpr std::chrono::seconds kLastWait = 30s;  // for those that are in the middle of something, once there is nothing left to do
 
 class MpiRanks final : public Ranks {
  public:
@@ -54,17 +55,25 @@ class MpiRanks final : public Ranks {
   ~MpiRanks() override {
     attendant_ = {};
     // What nobody wants any more is still received, on both sides, until all have come so far: a send that is not would keep MPI from its end.
-    while (!sending_.empty()) {
+    const auto end = std::chrono::steady_clock::now() + kLastWait;
+    const auto lookAgain = [&] {
       look();
       std::this_thread::sleep_for(kShortest);
-    }
+      if (std::chrono::steady_clock::now() < end) return;
+      complain("the other processes do not come to an end");
+      abort(1);
+    };
+    while (!sending_.empty()) lookAgain();
     MPI_Request all{};
     MPI_Ibarrier(MPI_COMM_WORLD, &all);
-    for (int areAllHere = 0; areAllHere == 0; std::this_thread::sleep_for(kShortest)) {
-      look();
-      MPI_Test(&all, &areAllHere, MPI_STATUS_IGNORE);
-    }
+    while (test(all) == 0) lookAgain();
     MPI_Finalize();
+  }
+
+  void setTogether(bool isTogether) override {
+    Ranks::setTogether(isTogether);
+    std::ranges::fill(silent_, std::chrono::steady_clock::duration());
+    hasSent_.notify_one();  // the attendant, which says that this process is there
   }
 
   int rank() const override { return rank_; }
@@ -72,7 +81,6 @@ class MpiRanks final : public Ranks {
   bool isNear(int other) const override { return isNear_[static_cast<size_t>(other)]; }
   void send(int to, int kind, std::vector<std::byte> bytes) override {
     if (bytes.size() > INT_MAX) throw InputError("a message between processes of " + std::to_string(bytes.size()) + " bytes is longer than MPI takes");
-    if (kind >= 0) isOpening_ = false;
     const std::scoped_lock lock(calls_);
     Sent& sent = sending_.emplace_back();
     sent.bytes = std::move(bytes);
@@ -146,7 +154,6 @@ class MpiRanks final : public Ranks {
       RankMessage message = std::move(receiving_->message);
       receiving_.reset();
       silent_[static_cast<size_t>(message.from)] = {};
-      if (message.kind >= 0) isOpening_ = false;
       if (message.kind != kAlive) return message;
     }
   }
@@ -172,22 +179,23 @@ class MpiRanks final : public Ranks {
     return isDone;
   }
 
-  /// Beside whoever receives: while a volume is opened, says that this process is there; and moves on what has been sent where nobody looks for long, because he is at something else
+  /// Beside whoever receives: while all are together, says that this process is there; and moves on what has been sent where nobody looks for long, because he is at something else
   /// or has nothing to wait for. Else others wait for the rest of it, a core busy each.
   void attend(const std::stop_token& stop) {
     std::chrono::steady_clock::time_point saidAlive;
     while (!stop.stop_requested()) {
       const auto now = std::chrono::steady_clock::now();
-      if (isOpening_ && now - saidAlive >= kAliveEvery) {
+      if (isTogether() && now - saidAlive >= kAliveEvery) {
         saidAlive = now;
         for (int other = 0; other < size_; ++other)
           if (other != rank_ && (rank_ == 0 || other == 0)) send(other, kAlive, {});
       }
       const bool isLookedAfter = now - lastLook_.load() < kUnseen;
       if (!isLookedAfter) dropSent();
+      const bool wasTogether = isTogether();
       std::unique_lock lock(calls_);
       if (sending_.empty()) {
-        hasSent_.wait_for(lock, stop, kAliveEvery, [this] { return !sending_.empty(); });
+        hasSent_.wait_for(lock, stop, kAliveEvery, [&] { return !sending_.empty() || isTogether() != wasTogether; });
       } else {
         lock.unlock();
         std::this_thread::sleep_for(isLookedAfter ? kUnseen : kShortest);
@@ -197,10 +205,10 @@ class MpiRanks final : public Ranks {
 
   /// So much longer has been waited, and nothing has come. Throws InputError, once, where somebody says nothing for too long.
   void noteSilence(std::chrono::steady_clock::duration waited) {
-    if (!isOpening_) return;
+    if (!isTogether()) return;
     for (int other = 0; other < size_; ++other) {
       if (other == rank_ || (rank_ != 0 && other != 0) || (silent_[static_cast<size_t>(other)] += waited) < kSilence) continue;
-      isOpening_ = false;
+      setTogether(true);  // it is not said again soon
       throw InputError("process " + std::to_string(other) + " of " + std::to_string(size_) + " does not answer");
     }
   }
@@ -214,7 +222,6 @@ class MpiRanks final : public Ranks {
 
   int rank_ = 0, size_ = 1;
   std::vector<bool> isNear_;  // by rank
-  std::atomic<bool> isOpening_ = true;
   std::vector<std::chrono::steady_clock::duration> silent_;  // by rank: how long has been waited since one has said something. Of receivers
   std::chrono::steady_clock::time_point lastMoved_;  // of receivers
   std::atomic<std::chrono::steady_clock::time_point> lastLook_{};

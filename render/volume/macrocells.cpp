@@ -115,7 +115,7 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
       }
     };
     const auto findRows = [&](size_t first, size_t end) {
-      parallelForRanges(end - first, 4, [&](size_t begin, size_t last) {
+      parallelForRanges(end - first, 4, stopOf(volume.ranks()), [&](size_t begin, size_t last) {
         for (size_t row = first + begin; row < first + last; ++row) findRow(row);
       });
     };

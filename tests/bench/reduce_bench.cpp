@@ -11,6 +11,7 @@
 #include <iostream>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
 
 #include "app/frames/process_ranks.h"
 #include "app/scene/scene.h"
@@ -122,6 +123,10 @@ void run(const Asked& asked) {
   const auto place = std::ranges::find(order, ranks->rank()) - order.begin();
   const CellBlock& block = tree.blocks()[static_cast<size_t>(ranks->rank())];
   volume->provide(rowsOf(block, settings, volume->geometry()));
+  // From here on MPI is called beside Ranks, which has to be still: nobody is waited for by it, and what was sent last has come.
+  ranks->requireSame({}, "nothing");
+  ranks->setTogether(false);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   MPI_Comm sorted;
   MPI_Comm_split(MPI_COMM_WORLD, 0, static_cast<int>(place), &sorted);
   const int root = static_cast<int>(std::ranges::find(order, 0) - order.begin());
