@@ -28,7 +28,7 @@ TEST_F(HostileFiles, NoNameSteersTheTerminal) {
   const std::string name = "a\x9b" "31m\xc2\x9b" "2J\x1b]0;x\x07\xe2\x82\xe2\x80\xae.json";
   const std::string shown = "a\\x9b31m\\u009b2J\\x1b]0;x\\x07\\xe2\\x82\\u202e.json";
   expectRefused({"shot", "-o", "a.png", name}, kFailure, {shown + ": there is no such file"});
-  folder_.write(name, "{\"na\xc2\x9bme\": 1}");
+  folder_.write(name, "{\"name\": \"a\", \"na\xc2\x9bme\": 1}");
   expectRefused({"shot", "-o", "a.png", name}, kFailure, {shown, "na\\u009bme"});
   folder_.write("a.nrrd", "NRRD0004\ntype: \x9b" "31m\xc2\x9bhort\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678");
   const ProgramResult result = run({"shot", "-o", "a.png", "a.nrrd"});
