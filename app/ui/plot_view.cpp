@@ -76,14 +76,6 @@ std::string viewApart(const Session& session, size_t panel) {
   return formatted("this view is %.3g° from its frame", *angleDeg, 0.0);
 }
 
-/// A technique's color and name, each once, for where there is no list.
-std::vector<ScatterLook::Entry> legendOf(const std::vector<const Configuration*>& configurations) {
-  std::vector<ScatterLook::Entry> legend;
-  for (const Configuration* configuration : configurations)
-    if (const std::string name(configuration->technique->label); std::ranges::find(legend, name, &ScatterLook::Entry::name) == legend.end()) legend.push_back({name, colorOf(*configuration->technique)});
-  return legend;
-}
-
 /// Where a point stands among the others, and why.
 std::string standingOf(const LiveFront::Point& point, const std::vector<double>& rankedDeg) {
   switch (point.standing) {
@@ -131,6 +123,18 @@ struct PlotView::Shown {
   std::vector<std::string> angles;     ///< degrees between frame and view, "0 5 10"; buckets by their lower ends; empty where it is not known
   std::vector<glm::uvec2> sizes;       ///< of the pictures; 0 where it is not known
   std::vector<size_t> front;  ///< indices into all of them, the live ones first
+
+  /// Each technique once, with a point of it: one that nothing beats, if there is one.
+  std::vector<ScatterLook::Entry> legend() const {
+    std::vector<ScatterLook::Entry> entries;
+    const auto add = [&](size_t point) {
+      const WarpDescriptor& technique = *configurations[point]->technique;
+      if (std::ranges::find(entries, technique.label, &ScatterLook::Entry::name) == entries.end()) entries.push_back({std::string(technique.label), colorOf(technique), point});
+    };
+    for (const size_t point : front) add(point);
+    for (size_t point = 0; point < points.size(); ++point) add(point);
+    return entries;
+  }
 };
 
 float PlotView::height(float bodyHeight, const Look& look) const {
@@ -285,7 +289,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
                                                     : "points come when the view rests";
   plot.small = look.fonts.small;
   plot.scale = look.scale;
-  if (!hasList) plot.legend = legendOf(shown.configurations);
+  if (!hasList) plot.legend = shown.legend();
   const float plotWidth = hasList ? room.x - listWidth - look.px(8.0f) : room.x;
   std::optional<size_t> chosen = drawScatterPlot("points", shown.points, {plotWidth, room.y}, plot).clicked;
   if (hasList) {

@@ -70,7 +70,10 @@ void drawPoint(ImDrawList& list, const ScatterPoint& point, const ImVec2& at, bo
   if (point.isMarked) list.AddCircle(at, radius, ImGui::GetColorU32(ImGuiCol_Text), 0, line);
 }
 
-void drawLegend(ImDrawList& list, const Frame& frame, const ScatterLook& look) {
+/// Returns the point that is pointed at there, if one is.
+std::optional<size_t> drawLegend(ImDrawList& list, const Frame& frame, const ScatterLook& look) {
+  const ImVec2 pointer = ImGui::GetIO().MousePos;
+  std::optional<size_t> pointedAt;
   const float line = sizeOf("0", look).y, gap = 4.0f * look.scale;
   ImVec2 at{frame.to.x - gap, frame.from.y + gap};
   for (const ScatterLook::Entry& entry : look.legend) {
@@ -78,8 +81,10 @@ void drawLegend(ImDrawList& list, const Frame& frame, const ScatterLook& look) {
     const float left = at.x - sizeOf(entry.name, look).x;
     drawText(list, {left, at.y}, palette().dimText, entry.name, look);
     list.AddCircleFilled({left - 2.0f * gap, at.y + 0.5f * line}, kRadiusPx * look.scale, entry.color);
+    if (pointer.x >= left - 4.0f * gap && pointer.x <= frame.to.x && pointer.y >= at.y && pointer.y < at.y + line) pointedAt = entry.point;
     at.y += line;
   }
+  return pointedAt;
 }
 
 void showLabel(const std::string& label, const ScatterLook& look) {
@@ -115,7 +120,7 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
   x.settle();
   y.settle();
   drawTicks(list, x, y, frame, look);
-  drawLegend(list, frame, look);
+  const std::optional<size_t> ofLegend = drawLegend(list, frame, look);
 
   const auto placeOf = [&](const ScatterPoint& point) { return ImVec2(static_cast<float>(x.place(point.x)), static_cast<float>(y.place(point.y))); };
   const ImVec2 pointer = ImGui::GetIO().MousePos;
@@ -128,6 +133,7 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
     nearest = distance;
     answer.hovered = i;
   }
+  if (isPointedAt && !answer.hovered) answer.hovered = ofLegend;
   if (isPressed) answer.clicked = answer.hovered;
 
   list.PushClipRect({frame.from.x - kRingPx * look.scale, frame.from.y}, {frame.to.x, frame.to.y + kRingPx * look.scale}, true);

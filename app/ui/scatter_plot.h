@@ -28,6 +28,7 @@ struct ScatterLook {
   struct Entry {
     std::string name;
     ImU32 color = 0;
+    size_t point = 0;  ///< that it stands for where it is pointed at: an index
   };
   std::string xLabel, yLabel;
   std::string emptyText;    ///< where points would be
@@ -38,7 +39,7 @@ struct ScatterLook {
 };
 
 struct ScatterAnswer {
-  std::optional<size_t> hovered;  ///< index of the point nearest to the pointer, within a few pixels
+  std::optional<size_t> hovered;  ///< index of the point nearest to the pointer, within a few pixels; else that of the legend's entry
   std::optional<size_t> clicked;  ///< the same, in the frame in which the button goes down
 };
 

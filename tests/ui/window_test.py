@@ -108,11 +108,14 @@ def shows_a_ring(picture, colour):
 
 
 def centre_of(picture, box, colour):
-    """Of all pixels in the box that have exactly this colour; None if they are fewer than a point has."""
+    """Of the pixels in the box that have exactly this colour, of those beside the leftmost one: others are the legend's. None if they are fewer than a point has."""
     x0, y0, x1, y1 = box
     row_size = 3 * (x1 - x0)
     region = picture.region(box)
     places = [(x0 + i % row_size // 3, y0 + i // row_size) for i in range(0, len(region), 3) if region[i:i + 3] == colour]
+    reach = 24  # px, of a point at scale 2
+    left = min(places, default=None)
+    places = [place for place in places if place[0] - left[0] < reach and abs(place[1] - left[1]) < reach]
     if len(places) < 12:
         return None
     return sum(x for x, _ in places) // len(places), sum(y for _, y in places) // len(places)
