@@ -154,7 +154,10 @@ void run(const Asked& asked) {
   MPI_Reduce(&ownMarch, &slowest, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);
   volume->releaseVoxels();
 
-  if (!ranks->isFirst()) return followFirst(volume, Backend::cpu, {});
+  if (!ranks->isFirst()) {
+    followFirst(volume, Backend::cpu, {});
+    return leaveProcesses(0);
+  }
   const double relayMs = median(relayed(volume, scene.transferFunction, camera, settings, expected));
   float difference = 0.0f;
   for (size_t i = 0; i < whole.size(); ++i)
