@@ -207,10 +207,16 @@ class MpiRanks final : public Ranks {
   void noteSilence(std::chrono::steady_clock::duration waited) {
     if (!isTogether()) return;
     for (int other = 0; other < size_; ++other) {
-      if (other == rank_ || (rank_ != 0 && other != 0) || (silent_[static_cast<size_t>(other)] += waited) < kSilence) continue;
+      if (other == rank_ || (rank_ != 0 && other != 0) || (silent_[static_cast<size_t>(other)] += waited) < kSilence + underWayFrom(other)) continue;
       setTogether(true);  // it is not said again soon
       throw InputError("process " + std::to_string(other) + " of " + std::to_string(size_) + " does not answer");
     }
+  }
+
+  /// What a message that has begun to come may take, over a slow network: nothing else is heard of its sender meanwhile.
+  std::chrono::seconds underWayFrom(int other) const {
+    constexpr size_t kLeastRate = 4 << 20;  // bytes a second
+    return std::chrono::seconds(receiving_ && receiving_->message.from == other ? receiving_->message.bytes.size() / kLeastRate : 0);
   }
 
   void dropSent() {
