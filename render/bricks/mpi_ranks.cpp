@@ -203,12 +203,12 @@ class MpiRanks final : public Ranks {
     }
   }
 
-  /// So much longer has been waited, and nothing has come. Throws InputError, once, where somebody says nothing for too long.
+  /// So much longer has been waited, and nothing has come. Throws InputError where somebody has said nothing for too long; then all begins anew.
   void noteSilence(std::chrono::steady_clock::duration waited) {
     if (!isTogether()) return;
     for (int other = 0; other < size_; ++other) {
       if (other == rank_ || (rank_ != 0 && other != 0) || (silent_[static_cast<size_t>(other)] += waited) < kSilence + underWayFrom(other)) continue;
-      setTogether(true);  // it is not said again soon
+      setTogether(true);
       throw InputError("process " + std::to_string(other) + " of " + std::to_string(size_) + " does not answer");
     }
   }
