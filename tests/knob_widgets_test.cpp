@@ -8,6 +8,7 @@
 #include "render/warp/points_warp.h"
 #include "tests/extra_technique.h"
 #include "tests/session_fixture.h"
+#include "tests/scripted_window.h"
 
 namespace warpscope::ui {
 namespace {
@@ -29,6 +30,7 @@ class Paper {
     unsigned char* pixels = nullptr;
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    look_.gl = &gl_;
     look_.hover = &hover_;
     look_.remembered = &remembered_;
     look_.fonts.body = look_.fonts.small = io.Fonts->Fonts[0];
@@ -53,6 +55,7 @@ class Paper {
 
  private:
   ImGuiContext* const context_;
+  const WindowGl gl_ = noGl();
   Hover hover_;
   Remembered remembered_;
   Look look_;
