@@ -7,8 +7,8 @@
 #include "app/ui/parts.h"
 #include "render/warp/points_warp.h"
 #include "tests/extra_technique.h"
-#include "tests/session_fixture.h"
 #include "tests/scripted_window.h"
+#include "tests/session_fixture.h"
 
 namespace warpscope::ui {
 namespace {
