@@ -7,16 +7,13 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <functional>
+#include <optional>
 #include <string>
-#include <thread>
 
 namespace warpscope {
 namespace {
-
-using std::chrono::milliseconds;
 
 /// The watcher, a child of this process; the one that it watches says its number, and does something until it ends.
 class WatchedProcess : public ::testing::Test {
@@ -93,12 +90,12 @@ TEST_F(WatchedProcess, WhatItsWatcherIsToldComesToIt) {
   EXPECT_EQ(exitCode(), 1);
   EXPECT_THAT(said(), testing::HasSubstr("signal 10"));
   static volatile sig_atomic_t isTold = 0;
-  start([] {
-    std::signal(SIGTERM, [](int) { isTold = 1; });
-    while (isTold == 0) usleep(1000);
-    return 5;
-  });
-  std::this_thread::sleep_for(milliseconds(50));  // the handler is not there at once
+  start(
+      [] {
+        while (isTold == 0) usleep(1000);
+        return 5;
+      },
+      [] { std::signal(SIGTERM, [](int) { isTold = 1; }); });  // the watched one has it from the beginning
   kill(watcher_, SIGTERM);
   EXPECT_EQ(exitCode(), 5);
 }

@@ -71,8 +71,8 @@ std::string comparedAt(const Session& session) {
 std::string viewApart(const Session& session, size_t panel) {
   const std::optional<double> angleDeg = session.angleDeg(panel);
   if (!angleDeg) return "";
-  const double fromDeg = static_cast<double>(LiveFront::bucketOf(*angleDeg)) * LiveFront::kBucketDeg;
-  if (session.fair().points().empty() && std::ranges::find(session.liveFront().rankedAnglesDeg(), fromDeg) != session.liveFront().rankedAnglesDeg().end()) return "";
+  const auto isOfView = [&](double fromDeg) { return LiveFront::bucketOf(fromDeg) == LiveFront::bucketOf(*angleDeg); };
+  if (session.fair().points().empty() && std::ranges::any_of(session.liveFront().rankedAnglesDeg(), isOfView)) return "";
   return formatted("this view is %.3g° from its frame", *angleDeg, 0.0);
 }
 

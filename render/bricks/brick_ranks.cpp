@@ -428,10 +428,6 @@ MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunc
 bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMaker makePieces) {
   BrickWork work(volume, std::move(makePieces));
   work.ranks().setTogether(false);
-  const auto together = [&](const auto& all) {
-    const Together isTogether(work.ranks());
-    all();
-  };
   std::deque<RankMessage> early;  // tiles of frames that this rank has not been told of yet
   const auto deliver = [&](RankMessage message) {
     const uint64_t frame = BrickFrame::frameOf(message);
@@ -454,15 +450,24 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMake
     std::optional<RankMessage> message = work.ranks().receive(kPatience);
     if (!message) continue;
     switch (message->kind) {
-      case kFunctionMessage: together([&] { work.addFunction(functionOf(message->bytes)); }); break;
+      case kFunctionMessage: {
+        const Together all(work.ranks());
+        work.addFunction(functionOf(message->bytes));
+        break;
+      }
       case kForgetMessage: work.forgetFunction(RankReader(message->bytes).get<uint32_t>()); break;
       case kProxyMessage: {
         RankReader reader(message->bytes);
         const auto function = reader.get<uint32_t>();
-        together([&] { work.proxyFor(function, reader.get<int>()); });
+        const Together all(work.ranks());
+        work.proxyFor(function, reader.get<int>());
         break;
       }
-      case kLightMessage: together([&] { work.makeLightCopy(RankReader(message->bytes).get<uint32_t>()); }); break;
+      case kLightMessage: {
+        const Together all(work.ranks());
+        work.makeLightCopy(RankReader(message->bytes).get<uint32_t>());
+        break;
+      }
       case kOrderMessage: {
         endFrame();
         FrameOrder order = FrameOrder::ofBytes(message->bytes);
