@@ -1,164 +1,33 @@
-// The parts of the format `tiled`: models, streams, neighbours in tiles, and coders that leave a device.
+// The parts of the format `tiled`: colours, neighbours in tiles, and coders that leave a device. Streams: ans_test.cpp.
 // Mirrors render/codec/tiled/. Frames as a whole: codec_test.cpp and its kin; a device: gpu/codec_on_device_test.cpp.
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
-#include <numeric>
 #include <random>
 
 #include "render/base/error.h"
-#include "render/codec/tiled/ans_lanes.h"
+#include "render/codec/color_differences.h"
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tiled/tile_layer.h"
 #include "render/codec/tiled/tiled_coder.h"
-#include "render/codec/tokens.h"
 #include "tests/codec_frames.h"
 #include "tests/hostile_tiles.h"
 
 namespace warpscope {
 namespace {
 
-using Counts = std::array<uint32_t, kAnsSymbols>;
-
-uint32_t sumOf(const AnsModel& model) {
-  const auto frequencies = model.frequencies();
-  return std::accumulate(frequencies.begin(), frequencies.end(), 0u);
-}
-
-bool isSame(const AnsModel& a, const AnsModel& b) { return std::ranges::equal(a.frequencies(), b.frequencies()); }
-
-/// `symbols` of `most` kinds, some far more frequent than others.
-std::vector<uint8_t> randomSymbols(std::mt19937& random, size_t count, uint32_t most) {
-  std::geometric_distribution<uint32_t> mostlyFew(0.3);
-  std::vector<uint8_t> symbols(count);
-  for (uint8_t& symbol : symbols) symbol = static_cast<uint8_t>(random() % 4 == 0 ? random() % most : mostlyFew(random) % most);
-  return symbols;
-}
-
-AnsModel modelOf(std::span<const uint8_t> symbols) {
-  Counts counts{};
-  for (const uint8_t symbol : symbols) ++counts[symbol];
-  return AnsModel::ofCounts(counts);
-}
-
-AnsModel modelOfNumbers(std::span<const uint32_t> numbers) {
-  Counts counts{};
-  for (const uint32_t number : numbers) ++counts[tokenOf(number)];
-  return AnsModel::ofCounts(counts);
-}
-
-TEST(AnsModel, FrequenciesAddUpAndEverySymbolThatOccursHasOne) {
-  std::mt19937 random(3);
-  for (int round = 0; round < 300; ++round) {
-    Counts counts{};
-    const uint32_t kinds = 1 + random() % kAnsSymbols;
-    for (uint32_t i = 0; i < kinds; ++i) counts[random() % kAnsSymbols] = round % 3 == 0 ? 1 : 1 + (random() >> random() % 32);
-    if (round % 5 == 0) counts[random() % kAnsSymbols] = ~0u;  // nothing is left for the others
-    const AnsModel model = AnsModel::ofCounts(counts);
-    ASSERT_EQ(sumOf(model), kAnsScale);
-    for (uint32_t s = 0; s < kAnsSymbols; ++s) ASSERT_EQ(model.share(s).frequency > 0, counts[s] > 0) << s;
-    std::vector<std::byte> bytes;
-    model.append(bytes);
-    ASSERT_LE(bytes.size(), AnsModel::kMostBytes);
-    ByteReader reader(bytes);
-    AnsModel back;
-    ASSERT_TRUE(back.take(reader));
-    ASSERT_EQ(reader.left(), 0u);
-    ASSERT_TRUE(isSame(back, model));
+TEST(ColorChannels, ArePredictedAndAddedEachForItself) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20000; ++round) {
+    const auto color = [&] { return static_cast<Rgba8>(round % 2 == 0 ? random() : random() & 0x03030303u); };
+    const Rgba8 west = color(), north = color(), northWest = color();
+    const ColorChannels likely = ColorChannels::predicted(ColorChannels(west), ColorChannels(north), ColorChannels(northWest));
+    const Rgba8 sum = (ColorChannels(west) + ColorChannels(north)).color(), difference = (ColorChannels(west) - ColorChannels(north)).color();
+    for (const int shift : {0, 8, 16, 24}) {
+      ASSERT_EQ(channel(likely.color(), shift), predicted(channel(west, shift), channel(north, shift), channel(northWest, shift))) << round;
+      ASSERT_EQ(channel(sum, shift), (channel(west, shift) + channel(north, shift)) & 255);
+      ASSERT_EQ(channel(difference, shift), (channel(west, shift) - channel(north, shift)) & 255);
+    }
   }
-}
-
-TEST(AnsModel, OfNothingIsEmptyAndOfOneSymbolConstant) {
-  AnsModel model = AnsModel::ofCounts(Counts{});
-  EXPECT_TRUE(model.isEmpty());
-  EXPECT_FALSE(model.isConstant());
-  Counts one{};
-  one[77] = 5;
-  model = AnsModel::ofCounts(one);
-  EXPECT_TRUE(model.isConstant());
-  EXPECT_EQ(model.constant(), 77);
-  EXPECT_TRUE(model.slots().empty());
-}
-
-TEST(AnsModel, WhatDoesNotAddUpIsNone) {
-  for (const std::vector<int>& numbers : {std::vector<int>{0, 127}, {1, 100, 100}, {0, 0x90, 1}, {0, 0xff, 0xff}, {3, 1, 1}, {}, {255}}) {
-    std::vector<std::byte> bytes;
-    for (const int number : numbers) bytes.push_back(static_cast<std::byte>(number));
-    ByteReader reader(bytes);
-    AnsModel model;
-    EXPECT_FALSE(model.take(reader)) << numbers.size();
-  }
-}
-
-RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
-  std::mt19937 random(*rc::gen::arbitrary<uint32_t>());
-  const auto size = *rc::gen::inRange<size_t>(0, 700);
-  const auto bits = *rc::gen::inRange<uint32_t>(0, 33);
-  const std::vector<uint8_t> first = randomSymbols(random, size, 1 + random() % kAnsSymbols), second = randomSymbols(random, random() % 400, 3);
-  std::vector<uint32_t> numbers(random() % 500);
-  for (uint32_t& number : numbers) number = bits == 0 ? 900u : static_cast<uint32_t>(uint64_t{random()} & ((uint64_t{1} << random() % (bits + 1)) - 1));
-  const AnsModel models[] = {modelOf(first), modelOfNumbers(numbers), modelOf(second)};
-  AnsWriter writer;
-  std::vector<std::byte> stream;
-  for (int again = 0; again < 2; ++again) {  // a writer is used for many streams
-    stream.clear();
-    writer.begin();
-    if (!second.empty()) writer.putBytes(AnsWriterModel(models[2]), second);
-    if (!numbers.empty()) writer.putNumbers(AnsWriterModel(models[1]), numbers);
-    if (!first.empty()) writer.putBytes(AnsWriterModel(models[0]), first);
-    writer.finish(stream);
-  }
-  AnsReader reader(stream);
-  std::vector<uint8_t> firstBack(first.size()), secondBack(second.size());
-  std::vector<uint32_t> numbersBack(numbers.size());
-  reader.takeBytes(AnsReaderModel(models[0]), firstBack);
-  reader.takeNumbers(AnsReaderModel(models[1]), numbersBack);
-  reader.takeBytes(AnsReaderModel(models[2]), secondBack);
-  RC_ASSERT(firstBack == first);
-  RC_ASSERT(numbersBack == numbers);
-  RC_ASSERT(secondBack == second);
-  RC_ASSERT(reader.isSound());
-}
-
-TEST(AnsLanes, TakeAboutTheBitsThatTheirModelSays) {
-  std::mt19937 random(9);
-  std::vector<uint8_t> symbols(100000);
-  for (uint8_t& symbol : symbols) symbol = random() % 50 == 0 ? 1 : 0;
-  const AnsModel model = modelOf(symbols);
-  double bits = 0.0;
-  for (const uint8_t symbol : symbols) bits -= std::log2(static_cast<double>(model.share(symbol).frequency) / kAnsScale);
-  AnsWriter writer;
-  writer.begin();
-  writer.putBytes(AnsWriterModel(model), symbols);
-  std::vector<std::byte> stream;
-  writer.finish(stream);
-  EXPECT_NEAR(static_cast<double>(stream.size() - kAnsStateBytes), bits / 8.0, 0.002 * bits / 8.0 + 2.0 * kAnsLanes);
-}
-
-TEST(AnsLanes, StreamsCutShortOrChangedAreNotSound) {
-  std::mt19937 random(21);
-  const std::vector<uint8_t> symbols = randomSymbols(random, 2000, 40);
-  const AnsModel model = modelOf(symbols);
-  AnsWriter writer;
-  writer.begin();
-  writer.putBytes(AnsWriterModel(model), symbols);
-  std::vector<std::byte> stream;
-  writer.finish(stream);
-  std::vector<uint8_t> back(symbols.size());
-  for (size_t length = 0; length < stream.size(); ++length) {
-    AnsReader reader(std::span<const std::byte>(stream.data(), length));
-    reader.takeBytes(AnsReaderModel(model), back);
-    EXPECT_FALSE(reader.isSound()) << length;
-  }
-  size_t unnoticed = 0;
-  for (size_t i = 0; i < stream.size(); ++i) {
-    std::vector<std::byte> changed = stream;
-    changed[i] ^= std::byte{0x41};
-    AnsReader reader(changed);
-    reader.takeBytes(AnsReaderModel(model), back);
-    unnoticed += reader.isSound() ? 1 : 0;
-  }
-  EXPECT_EQ(unnoticed, 0u);  // states end where writers began
 }
 
 TEST(CoveredBits, ThereAndBack) {

@@ -82,10 +82,10 @@ void ColorPlaneCoder::append(std::vector<std::byte>& out, const BandLayout& layo
   slots_[0] = 0;
   std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
   alpha_.resize(count);
-  putAlpha(slots_.data(), layout.neighbors.data(), layout.size(), alpha_.data());
-  appendSection(out, alpha_);
 
   if (settings.color == ColorCoding::jpeg) {
+    putAlpha(slots_.data(), layout.neighbors.data(), count, alpha_.data());
+    appendSection(out, alpha_);
     const size_t start = out.size();
     appendLittle(out, uint32_t{0});
     const CoveredArea& area = layout.area;
@@ -102,7 +102,8 @@ void ColorPlaneCoder::append(std::vector<std::byte>& out, const BandLayout& layo
   green_.resize(count);
   red_.resize(count);
   blue_.resize(count);
-  putColors(slots_.data(), layout.neighbors.data(), count, {green_.data(), red_.data(), blue_.data()});
+  putColors(slots_.data(), layout.neighbors.data(), count, {alpha_.data(), green_.data(), red_.data(), blue_.data()});
+  appendSection(out, alpha_);
   appendSection(out, green_);
   appendSection(out, red_);
   appendSection(out, blue_);
@@ -114,9 +115,9 @@ DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, 
   if (!takeSection(reader, alpha_)) return "the opacities are damaged";
   slots_.resize(count + 1);
   slots_[0] = 0;
-  takeAlpha(alpha_.data(), layout.neighbors.data(), layout.size(), slots_.data());
 
   if (coding == ColorCoding::jpeg) {
+    takeAlpha(alpha_.data(), layout.neighbors.data(), count, slots_.data());
     const auto length = reader.take<uint32_t>();
     const std::span<const std::byte> jpeg = reader.take(length);
     const CoveredArea& area = layout.area;
@@ -133,7 +134,7 @@ DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, 
     red_.resize(count);
     blue_.resize(count);
     if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-    takeColors({green_.data(), red_.data(), blue_.data()}, layout.neighbors.data(), count, slots_.data());
+    takeColors({alpha_.data(), green_.data(), red_.data(), blue_.data()}, layout.neighbors.data(), count, slots_.data());
   }
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;

@@ -5,13 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-#if defined(__AVX512F__)
-#include <immintrin.h>
-#if !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12's own header: registers that are left as they are on purpose
-#endif
-#endif
-
+#include "render/codec/tiled/ans_vectors.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
@@ -22,56 +16,19 @@ constexpr size_t kWord = sizeof(uint16_t);
 uint32_t stepsOf(size_t symbols) { return static_cast<uint32_t>((symbols + kAnsLanes - 1) / kAnsLanes); }
 uint32_t lanesOf(size_t symbols, uint32_t step) { return static_cast<uint32_t>(std::min<size_t>(symbols - size_t{step} * kAnsLanes, kAnsLanes)); }
 
-#if defined(__AVX512F__)
+/// Words in front of those that there are which vectors may write to besides.
+constexpr size_t kSpareWords = 16;
 
-// 16 lanes at once; words are moved together and apart in registers.
-
-__m512i symbolsOf(const uint8_t* symbols) { return _mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(symbols))); }
-__m512i symbolsOf(const uint32_t* symbols) { return _mm512_loadu_si512(symbols); }
-
-/// The upper halves of products.
-__m512i upperProduct(__m512i a, __m512i b) {
-  const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(a, b), 32);
-  const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(a, 32), _mm512_srli_epi64(b, 32));
-  return _mm512_mask_mov_epi32(even, 0xaaaa, odd);
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+/// Calls `f` with the first of each vector's lanes.
+template <class F>
+void forEachVector(const F& f) {
+  for (uint32_t lane = 0; lane < kAnsLanes; lane += kAnsVectorLanes) f(lane);
 }
-
-/// ansGives() and ansPut() of 16 symbols.
-template <class T>
-uint16_t* put16(const T* symbols, const AnsWriterModel& model, __m512i& state, uint16_t* at) {
-  const __m512i symbol = symbolsOf(symbols);
-  const __m512i share = _mm512_i32gather_epi32(symbol, model.shares.data(), 4), reciprocal = _mm512_i32gather_epi32(symbol, model.reciprocals.data(), 4);
-  const __m512i frequency = _mm512_srli_epi32(share, 16), start = _mm512_and_si512(share, _mm512_set1_epi32(0xffff));
-  const __mmask16 gives = _mm512_cmpge_epu32_mask(state, _mm512_slli_epi32(frequency, 32 - kAnsBits));
-  const int words = std::popcount(static_cast<unsigned>(gives));
-  at -= words;
-  _mm512_mask_cvtepi32_storeu_epi16(at, static_cast<__mmask16>((1u << words) - 1), _mm512_maskz_compress_epi32(gives, state));
-  state = _mm512_mask_srli_epi32(state, gives, state, 16);
-  __m512i quotient = upperProduct(state, reciprocal), rest = _mm512_sub_epi32(state, _mm512_mullo_epi32(quotient, frequency));
-  for (int correction = 0; correction < 2; ++correction) {
-    const __mmask16 isLess = _mm512_cmpge_epu32_mask(rest, frequency);
-    quotient = _mm512_mask_add_epi32(quotient, isLess, quotient, _mm512_set1_epi32(1));
-    rest = _mm512_mask_sub_epi32(rest, isLess, rest, frequency);
-  }
-  state = _mm512_add_epi32(_mm512_add_epi32(_mm512_slli_epi32(quotient, kAnsBits), rest), start);
-  return at;
+template <class F>
+void forEachVectorFromTheEnd(const F& f) {
+  for (uint32_t lane = kAnsLanes; lane > 0;) f(lane -= kAnsVectorLanes);
 }
-
-/// What slots say of 16 states, which take words where they want some: there are as many. Returns the symbols.
-__m512i take16(const uint32_t* slots, __m512i& state, const std::byte*& at) {
-  const __m512i slot = _mm512_i32gather_epi32(_mm512_and_si512(state, _mm512_set1_epi32(kAnsScale - 1)), slots, 4);
-  const __m512i frequency = _mm512_and_si512(_mm512_srli_epi32(slot, 8), _mm512_set1_epi32(kAnsScale - 1));
-  state = _mm512_add_epi32(_mm512_mullo_epi32(frequency, _mm512_srli_epi32(state, kAnsBits)), _mm512_srli_epi32(slot, 20));
-  const __mmask16 wants = _mm512_cmplt_epu32_mask(state, _mm512_set1_epi32(kAnsLow));
-  const __m512i words = _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at)));
-  state = _mm512_mask_or_epi32(state, wants, _mm512_slli_epi32(state, 16), _mm512_maskz_expand_epi32(wants, words));
-  at += kWord * static_cast<size_t>(std::popcount(static_cast<unsigned>(wants)));
-  return _mm512_and_si512(slot, _mm512_set1_epi32(255));
-}
-
-void storeSymbols(uint8_t* to, __m512i symbols) { _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm512_cvtepi32_epi8(symbols)); }
-void storeSymbols(uint32_t* to, __m512i symbols) { _mm512_storeu_si512(to, symbols); }
-
 #endif
 
 /// The bits of a number behind its token that a state takes first, and those that are left.
@@ -94,8 +51,8 @@ void AnsWriter::begin() {
 
 /// Room for so many words in front of those that there are. Returns the place of the first of these.
 uint16_t* AnsWriter::reserve(size_t words) {
-  if (first_ < words) {
-    const size_t kept = words_.size() - first_, more = words + words_.size();
+  if (first_ < words + kSpareWords) {
+    const size_t kept = words_.size() - first_, more = words + kSpareWords + words_.size();
     std::vector<uint16_t> larger(words_.size() + more);
     std::copy(words_.end() - static_cast<std::ptrdiff_t>(kept), words_.end(), larger.end() - static_cast<std::ptrdiff_t>(kept));
     words_.swap(larger);
@@ -108,13 +65,9 @@ uint16_t* AnsWriter::reserve(size_t words) {
 template <class T>
 uint16_t* AnsWriter::putStep(const AnsWriterModel& model, const T* symbols, uint32_t lanes, uint16_t* at) {
   uint32_t* const states = states_.data();
-#if defined(__AVX512F__)
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
   if (lanes == kAnsLanes) {
-    for (int half = 1; half >= 0; --half) {
-      __m512i state = _mm512_loadu_si512(states + 16 * half);
-      at = put16(symbols + 16 * half, model, state, at);
-      _mm512_storeu_si512(states + 16 * half, state);
-    }
+    forEachVectorFromTheEnd([&](uint32_t lane) { at = putLanes(model, symbols + lane, states + lane, at); });
     return at;
   }
 #endif
@@ -152,6 +105,20 @@ void AnsWriter::putNumbers(const AnsWriterModel& model, std::span<const uint32_t
     const uint32_t* const own = number + size_t{step} * kAnsLanes;
     uint32_t any = 0;
     for (uint32_t lane = 0; lane < lanes; ++lane) any |= own[lane];
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+    if (any >= kDirectTokens && lanes == kAnsLanes) {
+      if (any >> (kAnsRestBits + 2) != 0) forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(own + lane, kAnsRestBits, states + lane, at); });
+      forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(own + lane, 0, states + lane, at); });
+      if (isConstant) continue;
+      alignas(64) uint32_t tokens[kAnsLanes];
+      forEachVector([&](uint32_t lane) {
+        const AnsVector numbersThere = loadedLanes(own + lane);
+        storeLanes(tokensOf(numbersThere, restsOf(numbersThere)), tokens + lane);
+      });
+      at = putStep(model, tokens, lanes, at);
+      continue;
+    }
+#endif
     if (any >= kDirectTokens) {
       for (uint32_t lane = lanes; lane-- > 0;) {
         const uint32_t rest = restBits(tokenOf(own[lane]));
@@ -197,7 +164,7 @@ AnsReader::AnsReader(std::span<const std::byte> bytes) : hasStream_(!bytes.empty
 /// Gives words to the first lanes that want some.
 inline void AnsReader::refill(uint32_t lanes) {
   uint32_t* const states = states_.data();
-  if (words_.size() - next_ >= kWord * kAnsLanes) {
+  if (hasWordsForAll()) {
     const std::byte* at = words_.data() + next_;
     for (uint32_t lane = 0; lane < lanes; ++lane) {
       const uint32_t state = states[lane], filled = state << 16 | loadLittle<uint16_t>(at);
@@ -229,19 +196,14 @@ void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
     uint32_t* const states = states_.data();
     T* const own = symbol + size_t{step} * kAnsLanes;
     uint32_t any = 0;
-#if defined(__AVX512F__)
-    if (lanes == kAnsLanes && words_.size() - next_ >= kWord * kAnsLanes) {
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+    if (lanes == kAnsLanes && hasWordsForAll()) {
       const std::byte* at = words_.data() + next_;
-      for (uint32_t half = 0; half < kAnsLanes; half += 16) {
-        __m512i state = _mm512_loadu_si512(states + half);
-        const __m512i taken = take16(slots, state, at);
-        _mm512_storeu_si512(states + half, state);
-        storeSymbols(own + half, taken);
-        if constexpr (sizeof(T) > 1) any |= _mm512_cmpge_epu32_mask(taken, _mm512_set1_epi32(kDirectTokens)) != 0 ? kDirectTokens : 0;
-      }
+      bool hasRests = false;
+      forEachVector([&](uint32_t lane) { hasRests |= takeLanes(slots, states + lane, at, own + lane); });
       next_ = static_cast<size_t>(at - words_.data());
       if constexpr (sizeof(T) > 1)
-        if (any >= kDirectTokens) takeRests(symbols.subspan(size_t{step} * kAnsLanes, lanes));
+        if (hasRests) takeRests(symbols.subspan(size_t{step} * kAnsLanes, lanes));
       continue;
     }
 #endif
@@ -260,8 +222,16 @@ void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
 /// Makes numbers of a step's tokens.
 void AnsReader::takeRests(std::span<uint32_t> numbers) {
   const auto lanes = static_cast<uint32_t>(numbers.size());
-  std::array<uint32_t, kAnsLanes> rests{};
+  alignas(64) std::array<uint32_t, kAnsLanes> rests{};
   const auto takePart = [&](uint32_t shift) {
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+    if (lanes == kAnsLanes && hasWordsForAll()) {
+      const std::byte* at = words_.data() + next_;
+      forEachVector([&](uint32_t lane) { takeRestLanes(numbers.data() + lane, shift, states_.data() + lane, at, rests.data() + lane); });
+      next_ = static_cast<size_t>(at - words_.data());
+      return;
+    }
+#endif
     for (uint32_t lane = 0; lane < lanes; ++lane) {
       const uint32_t bits = restBits(numbers[lane]), count = bits > shift ? firstRest(bits - shift) : 0;
       if (count == 0) continue;
@@ -272,6 +242,9 @@ void AnsReader::takeRests(std::span<uint32_t> numbers) {
   };
   takePart(0);
   takePart(kAnsRestBits);
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+  if (lanes == kAnsLanes) return forEachVector([&](uint32_t lane) { makeNumbers(numbers.data() + lane, rests.data() + lane); });
+#endif
   for (uint32_t lane = 0; lane < lanes; ++lane) numbers[lane] = valueOf(numbers[lane], rests[lane]);
 }
 

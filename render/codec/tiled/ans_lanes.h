@@ -67,6 +67,8 @@ class AnsReader {
   bool isSound() const;
 
  private:
+  /// Whether each lane could take a word.
+  bool hasWordsForAll() const { return words_.size() - next_ >= kAnsLanes * sizeof(uint16_t); }
   void refill(uint32_t lanes);
   template <class T>
   void takeSymbols(const AnsReaderModel& model, std::span<T> symbols);

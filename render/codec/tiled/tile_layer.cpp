@@ -59,13 +59,16 @@ void TileLayer::findNeighbors() {
   rowBegins_.resize(tile_.height + 1);
   const auto size = static_cast<uint32_t>(pixels_.size());
   neighbors_.resize(size);
-  uint32_t row = 0;
+  uint32_t row = 0, behindLast = 0;  // one place behind the last pixel's
   rowBegins_[0] = 0;
   for (uint32_t k = 0; k < size; ++k) {
     const uint32_t x = columns_[k] - tile_.x0, y = rows_[k] - tile_.y0;
     while (row < y) rowBegins_[++row] = k;
-    uint32_t* const slot = slots_.data() + size_t{stride} * (y + 1) + x + 1;
-    uint32_t west = slot[-1], north = *(slot - stride), northWest = *(slot - stride - 1);
+    const uint32_t place = stride * (y + 1) + x + 1;
+    uint32_t* const slot = slots_.data() + place;
+    // Of the western neighbour, which is the last pixel if it is any, nothing is loaded: it has just been stored.
+    uint32_t west = place == behindLast ? k : 0, north = *(slot - stride), northWest = *(slot - stride - 1);
+    behindLast = place + 1;
     if (west == 0) west = north;
     if (north == 0) north = west;
     if (west == 0) west = north = k > rowBegins_[y] ? k : slotAbove(x, y);

@@ -14,6 +14,11 @@ namespace {
 size_t planeOf(SegmentNumbers plane) { return static_cast<size_t>(plane); }
 size_t planeOf(SegmentBytes plane) { return static_cast<size_t>(plane); }
 
+ColorDifferences differencesIn(SheetLayer& planes) {
+  const auto plane = [&](SegmentBytes bytes) { return planes.byte(planeOf(bytes)).data(); };
+  return {plane(SegmentBytes::alpha), plane(SegmentBytes::green), plane(SegmentBytes::red), plane(SegmentBytes::blue)};
+}
+
 /// The rays of a row of the tile.
 template <class Rays>
 auto rowOfRays(Rays& rays, uint32_t pictureWidth, const TileRect& rect, uint32_t y) {
@@ -117,9 +122,7 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
     putBorders(planes, l == 0);
-    putAlpha(slots_.data(), layer_.neighbors().data(), size, planes.byte(planeOf(SegmentBytes::alpha)).data());
-    putColors(slots_.data(), layer_.neighbors().data(), size,
-              {planes.byte(planeOf(SegmentBytes::green)).data(), planes.byte(planeOf(SegmentBytes::red)).data(), planes.byte(planeOf(SegmentBytes::blue)).data()});
+    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn(planes));
     if (!segments.normals.empty()) {
       for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
       for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
@@ -168,9 +171,7 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     if (l > 0) behind = reader.stream(tile, l);
     if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
     takeBorders(planes_, l == 0);
-    takeAlpha(planes_.byte(planeOf(SegmentBytes::alpha)).data(), layer_.neighbors().data(), size, slots_.data());
-    takeColors({planes_.byte(planeOf(SegmentBytes::green)).data(), planes_.byte(planeOf(SegmentBytes::red)).data(), planes_.byte(planeOf(SegmentBytes::blue)).data()},
-               layer_.neighbors().data(), size, slots_.data());
+    takeColors(differencesIn(planes_), layer_.neighbors().data(), size, slots_.data());
     for (size_t k = 0; k < size; ++k) {
       segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
       segments.colors[at_[k] + l] = slots_[k + 1];

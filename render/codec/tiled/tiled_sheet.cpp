@@ -12,17 +12,19 @@ namespace warpscope {
 namespace {
 
 using Counts = std::array<uint32_t, kAnsSymbols>;
+/// Symbols in turns: what comes next is mostly what came last, and need not wait until that has been counted.
+using CountsInTurns = std::array<Counts, 4>;
 
 bool hasStreams(const SheetTile& tile) {
   return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
 }
 
-void countBytes(std::span<const uint8_t> symbols, Counts& counts) {
-  for (const uint8_t symbol : symbols) ++counts[symbol];
-}
-
-void countNumbers(std::span<const uint32_t> numbers, Counts& counts) {
-  for (const uint32_t number : numbers) ++counts[tokenOf(number)];
+template <class T, class SymbolOf>
+void count(std::span<const T> values, CountsInTurns& counts, const SymbolOf& symbolOf) {
+  size_t i = 0;
+  for (; i + counts.size() <= values.size(); i += counts.size())
+    for (size_t turn = 0; turn < counts.size(); ++turn) ++counts[turn][symbolOf(values[i + turn])];
+  for (; i < values.size(); ++i) ++counts[0][symbolOf(values[i])];
 }
 
 /// Of all models in their order.
@@ -30,19 +32,21 @@ std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTil
   std::vector<Counts> all(form.shapes + size_t{layers} * form.planes());
   std::mutex mutex;
   parallelForRanges(tiles.size(), 4, [&](size_t begin, size_t end) {
-    std::vector<Counts> own(all.size());
+    std::vector<CountsInTurns> own(all.size());
+    const auto countBytes = [](std::span<const uint8_t> symbols, CountsInTurns& counts) { count(symbols, counts, [](uint8_t symbol) { return symbol; }); };
     for (const SheetTile& tile : tiles.subspan(begin, end - begin)) {
       if (!hasStreams(tile)) continue;
       for (uint32_t shape = 0; shape < form.shapes; ++shape) countBytes(tile.shapes[shape], own[shape]);
-      Counts* counts = own.data() + form.shapes;
+      CountsInTurns* counts = own.data() + form.shapes;
       for (uint32_t layer = 0; layer < tile.layerCount; ++layer) {
-        for (uint32_t plane = 0; plane < form.numbers; ++plane) countNumbers(tile.layers[layer].number(plane), *counts++);
+        for (uint32_t plane = 0; plane < form.numbers; ++plane) count(tile.layers[layer].number(plane), *counts++, tokenOf);
         for (uint32_t plane = 0; plane < form.bytes; ++plane) countBytes(tile.layers[layer].byte(plane), *counts++);
       }
     }
     const std::scoped_lock lock(mutex);
     for (size_t model = 0; model < all.size(); ++model)
-      for (size_t s = 0; s < kAnsSymbols; ++s) all[model][s] += own[model][s];
+      for (const Counts& counts : own[model])
+        for (size_t s = 0; s < kAnsSymbols; ++s) all[model][s] += counts[s];
   });
   return all;
 }
