@@ -121,7 +121,7 @@ TEST(RaySegments, TheCheapestPairIsMergedFirst) {
     while (all.size() > 3) {
       size_t cheapest = 0;
       for (size_t i = 1; i + 1 < all.size(); ++i)
-        if (mergeCost(all[i], all[i + 1]) < mergeCost(all[cheapest], all[cheapest + 1])) cheapest = i;
+        if (squaredMergeCost(all[i], all[i + 1]) < squaredMergeCost(all[cheapest], all[cheapest + 1])) cheapest = i;
       mergeInto(all[cheapest], all[cheapest + 1]);
       all.erase(all.begin() + static_cast<ptrdiff_t>(cheapest) + 1);
     }
@@ -133,6 +133,9 @@ TEST(RaySegments, TheCheapestPairIsMergedFirst) {
     }
   }
 }
+
+/// Light times length.
+float mergeCost(const RaySegment& front, const RaySegment& back) { return std::sqrt(squaredMergeCost(front, back)); }
 
 TEST(RaySegments, WhatIsAlikeCostsNothingAndGapsCost) {
   const RaySegment a{0.0f, 2.0f, 0.5f, 1.0f, glm::vec3(0.25f)};
@@ -166,8 +169,9 @@ TEST(RaySegments, WhatTwoBecomeHasTheirMeanPlaceAndSpread) {
     const auto depthOf = [](float opacity) { return static_cast<double>(opacity) / (1.0 - 0.5 * static_cast<double>(opacity)); };
     const double a = depthOf(front.opacity), b = depthOf(back.opacity), middleA = 0.5 * static_cast<double>(front.begin + front.end), middleB = 0.5 * static_cast<double>(back.begin + back.end);
     const double mean = (a * middleA + b * middleB) / (a + b);
-    const auto spreadAbout = [&](double middle, float length) { return static_cast<double>(length) * static_cast<double>(length) / 12.0 + (middle - mean) * (middle - mean); };
-    const double half = std::sqrt(3.0 * (a * spreadAbout(middleA, front.length()) + b * spreadAbout(middleB, back.length())) / (a + b));  // of what is homogeneous
+    // Between any two places: both in the front one, both in the back one, one in each.
+    const double apart = (a * a * static_cast<double>(front.length()) / 3.0 + b * b * static_cast<double>(back.length()) / 3.0 + 2.0 * a * b * (middleB - middleA)) / ((a + b) * (a + b));
+    const double half = 1.5 * apart;  // of what is homogeneous
     EXPECT_NEAR(static_cast<double>(both.begin), std::max(static_cast<double>(front.begin), mean - half), 1e-5) << round;
     EXPECT_NEAR(static_cast<double>(both.end), std::min(static_cast<double>(back.end), mean + half), 1e-5) << round;
   }
@@ -182,6 +186,7 @@ TEST(RaySegments, WhatTwoBecomeHasTheirMeanPlaceAndSpread) {
 
 TEST(RaySegments, LightIsMovedAboutByWhatTheIntegralSays) {
   std::mt19937 random(5);
+  const auto squared = [](float cost) { return cost * cost; };
   int surely = 0, isFound = 0, isNear = 0;
   for (int round = 0; round < 300; ++round) {
     const auto [front, back] = randomPair(random);
@@ -206,8 +211,8 @@ TEST(RaySegments, LightIsMovedAboutByWhatTheIntegralSays) {
     const double cost = static_cast<double>(mergeCost(alikeFront, alikeBack));
     EXPECT_NEAR(cost, light * std::sqrt((to - from) * found), 1e-3 * light * (to - from)) << round;
     // What is surely at most something hardly ever costs more; and is found out where there is some room.
-    surely += isSurelyAtMost(alikeFront, alikeBack, 0.999f * mergeCost(alikeFront, alikeBack) - 1e-6f) ? 1 : 0;
-    isFound += isSurelyAtMost(alikeFront, alikeBack, 4.0f * mergeCost(alikeFront, alikeBack) + 1e-3f) ? 1 : 0;
+    surely += isSurelyAtMost(alikeFront, alikeBack, squared(std::max(0.999f * mergeCost(alikeFront, alikeBack) - 1e-6f, 0.0f))) ? 1 : 0;
+    isFound += isSurelyAtMost(alikeFront, alikeBack, squared(4.0f * mergeCost(alikeFront, alikeBack) + 1e-3f)) ? 1 : 0;
   }
   EXPECT_GT(isNear, 250);
   EXPECT_LT(surely, 30);

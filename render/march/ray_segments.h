@@ -3,8 +3,9 @@
 //
 // A segment has the light and the opacity of all the samples that became it, as seen from the ray's beginning with nothing in front: segments over one another
 // are the ray (Porter, Duff 1984), however they were merged. What is lost is where within the segment they were. So two become the homogeneous stretch whose optical depth
-// has the same mean place and the same spread (its first two moments), cut off where that would reach beyond both: a surface with haze before it stays as thin as a
-// surface, and what is homogeneous stays what it is (a twenty-fifth shorter where it is nearly opaque). Optical depth is taken as a / (1 - a / 2), a being the opacity: right up to a^3 / 12, and without a logarithm.
+// has the same mean place and the same mean distance between any two of its places (Gini 1912; a standard deviation would take a root, and measured no better), cut off where that would
+// reach beyond both: a surface with haze before it stays as thin as a surface, and what is homogeneous stays what it is (a twenty-fifth shorter where it is nearly opaque). Optical depth is
+// taken as a / (1 - a / 2), a being the opacity: right up to a^3 / 12, and without a logarithm.
 //
 // The cost of merging two neighbours is how far light is moved along the ray, which from an angle is beside it, and how much of it changes colour:
 //   moved: the light of both times sqrt(their length times the integral along the ray of the squared difference between where it comes from and the stretch that they become): the
@@ -12,7 +13,7 @@
 //     two places looked at (of random pairs nine in ten are within 0.3 and 1.4 of it, and pictures the same). Weights are light, not depth: what the frame hardly sees may be merged sooner.
 //   recoloured: a b / (a + b) times the difference of the straight colours (the largest of three channels) times half of the length of both, a and b
 //     being what both contribute to the picture: transmittance in front times opacity.
-// Both are light times length. What other ways of merging are worth: tests/bench.
+// Both are light times length. The cost is the root of the sum of their squares, and is compared squared. What other ways of merging are worth: tests/bench.
 #pragma once
 
 #include <cstdint>
@@ -48,11 +49,11 @@ using RayExtent = BasicRayExtent<float>;
 
 /// Where what two neighbours become begins and ends, if they have any depth. `ofBack`: the back's share of it.
 template <class Number, class Segment>
-WARPSCOPE_HD inline BasicRayExtent<Number> extentByMoments(const Segment& front, const Segment& back, const Number& ofBack) {
+WARPSCOPE_HD inline BasicRayExtent<Number> extentBySpread(const Segment& front, const Segment& back, const Number& ofBack) {
   const Number ofFront = 1.0f - ofBack;
-  // From the front's beginning on: both halves, from middle to middle, the mean.
+  // From the front's beginning on: both halves, from middle to middle, the mean. Two places of what is homogeneous are a third of its length apart in the mean.
   const Number halfA = 0.5f * front.length(), halfB = 0.5f * back.length(), apart = (back.begin - front.begin) + halfB - halfA, mean = mulAdd(ofBack, apart, halfA);
-  const Number half = sqrtOf(mulAdd(3.0f * ofFront * ofBack * apart, apart, mulAdd(ofFront * halfA, halfA, ofBack * halfB * halfB)));
+  const Number half = mulAdd(3.0f * ofFront * ofBack, apart, mulAdd(ofFront * ofFront, halfA, ofBack * ofBack * halfB));
   return {front.begin + maxOf(mean - half, 0.0f), minOf(front.begin + (mean + half), back.end)};
 }
 
@@ -66,7 +67,7 @@ WARPSCOPE_HD inline Number depthBeside(const Segment& segment, const Segment& ne
 WARPSCOPE_HD inline RayExtent mergedExtent(const RaySegment& front, const RaySegment& back) {
   const float depthA = depthBeside<float>(front, back), depthB = depthBeside<float>(back, front), depth = depthA + depthB;
   if (!(depth > 0.0f)) return {front.begin, back.end};
-  return extentByMoments(front, back, depthB / depth);
+  return extentBySpread(front, back, depthB / depth);
 }
 
 /// `front` becomes both. `back` follows it.
@@ -105,29 +106,38 @@ WARPSCOPE_HD inline Number recolored(const Segment& front, const Segment& back) 
   return front.through * back.through * colorDifference<Number>(front, back) * (0.5f * (back.end - front.begin));
 }
 
-/// Whether merging the two costs no more than `cost`, without a division or a root: as if they became all from the first one's beginning to the second one's end. Hardly ever says so
-/// where mergeCost() is more.
-WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegment& back, float cost) {
+/// Whether merging the two costs, squared, no more than `squared`, without a division: as if they became all from the first one's beginning to the second one's end. Hardly ever says so
+/// where squaredMergeCost() is more.
+WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegment& back, float squared) {
   const float lightA = front.contribution(), lightB = back.contribution(), light = lightA + lightB, length = back.end - front.begin;
   // The difference is a line on each of the three parts: without a gap its square has a third of the largest.
   const float ofLargest = back.begin > front.end ? 1.0f : 0.57735027f;
   const float moved = maxOf(absOf(mulAdd(lightA, length, -(front.length() * light))), absOf(mulAdd(lightB, length, -(back.length() * light))));
-  return mulAdd(ofLargest * moved, light, recolored<float>(front, back)) <= cost * light;
+  const float lightMoved = ofLargest * moved * light, lightRecolored = recolored<float>(front, back);
+  return mulAdd(lightMoved, lightMoved, lightRecolored * lightRecolored) <= squared * (light * light);
 }
 
-/// What merging two costs that have light and become `both`. `perLight`: 1 over the light of both.
+/// Of less light times length nothing is seen: merging it costs nothing.
+inline constexpr float kLeastCostly = 1e-30f;
+
+/// What merging two costs that have light and become `both`, squared. `perLight`: 1 over the light of both.
 template <class Number, class Segment>
-WARPSCOPE_HD inline Number mergeCost(const Segment& front, const Segment& back, const BasicRayExtent<Number>& both, const Number& perUnit, const Number& perLight) {
+WARPSCOPE_HD inline Number squaredMergeCost(const Segment& front, const Segment& back, const BasicRayExtent<Number>& both, const Number& perUnit, const Number& perLight) {
   const Number light = front.contribution() + back.contribution(), length = back.end - front.begin;
-  const Number moved = sqrtOf(maxOf(length * squaredDifference(front, back, both, perUnit, back.contribution() * perLight), 0.0f));
-  return mulAdd(moved, light, recolored<Number>(front, back) * perLight);
+  const Number squaredMove = maxOf(length * squaredDifference(front, back, both, perUnit, back.contribution() * perLight), 0.0f);
+  const Number lightRecolored = recolored<Number>(front, back) * perLight;
+  return mulAdd(light * light, squaredMove, lightRecolored * lightRecolored);
 }
 
-/// What merging the two would cost; 0 or more.
-WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& back) {
+/// What merging the two would cost, squared; 0 or more.
+WARPSCOPE_HD inline float squaredMergeCost(const RaySegment& front, const RaySegment& back) {
   if (!(front.contribution() > 0.0f) || !(back.contribution() > 0.0f) || !(back.end - front.begin > 0.0f)) return 0.0f;
   const RayExtent both = mergedExtent(front, back);
-  return mergeCost(front, back, both, both.length() > 0.0f ? 1.0f / both.length() : 0.0f, 1.0f / (front.contribution() + back.contribution()));
+  const bool hasLength = both.length() > 0.0f;
+  const float light = front.contribution() + back.contribution(), length = hasLength ? both.length() : 1.0f;
+  if (!(light * length > kLeastCostly)) return 0.0f;
+  const float perBoth = 1.0f / (light * length);  // one division for both
+  return squaredMergeCost(front, back, both, hasLength ? light * perBoth : 0.0f, length * perBoth);
 }
 
 /// Moves its ends to the nearest borders of steps, at least one step apart, between `from` and `to`.
@@ -144,8 +154,8 @@ WARPSCOPE_HD inline void settle(RaySegment& segment, const RayLattice& lattice, 
 }
 
 /// A full merger merges with its last segment, without a look at the others, what costs no more than so many times what the last merge cost for which it looked. By 4 it looks half as often as by 1,
-/// at 0.02 dB from any angle (0.3 of 80 in the frame's own view): tests/bench.
-inline constexpr float kMergedUnseen = 4.0f;
+/// at 0.02 dB from any angle (0.3 of 80 in the frame's own view): tests/bench. Squared, as costs are.
+inline constexpr float kMergedUnseenSquared = 4.0f * 4.0f;
 
 /// Places of a merger at most.
 inline constexpr int kMostMergerRoom = 16;
@@ -154,7 +164,7 @@ inline constexpr int kMostMergerRoom = 16;
 /// wanted measured as good as four times (PSNR within 0.1 dB from every angle), so that there are two sizes.
 WARPSCOPE_HD constexpr int mergerRoomFor(int most) { return most <= 4 ? 8 : kMostMergerRoom; }
 
-/// Where a merger keeps what it holds: by default in itself. Places for segments, and for what merging each with the one behind it costs.
+/// Where a merger keeps what it holds: by default in itself. Places for segments, and for what merging each with the one behind it costs, squared.
 class OwnMergerMemory {
  public:
 
@@ -231,7 +241,7 @@ class BasicSegmentMerger {
         const int cheapest = cheapestPair();
         const uint32_t least = memory_.cost(cheapest);
         isMerged = cost <= least;
-        unseen_ = kMergedUnseen * costOfBits(isMerged ? cost : least);
+        unseen_ = kMergedUnseenSquared * costOfBits(isMerged ? cost : least);
         if (!isMerged) {
           place = next_[cheapest];
           const bool isOfTail = place == tailPlace_;
@@ -310,7 +320,7 @@ class BasicSegmentMerger {
     return cheapest;
   }
 
-  WARPSCOPE_HD static uint32_t costOf(const RaySegment& front, const RaySegment& back) { return bitsOfCost(mergeCost(front, back)); }
+  WARPSCOPE_HD static uint32_t costOf(const RaySegment& front, const RaySegment& back) { return bitsOfCost(squaredMergeCost(front, back)); }
 
   /// What merging the last two costs, if the last one has grown.
   WARPSCOPE_HD void renewTail() {
@@ -346,7 +356,7 @@ class BasicSegmentMerger {
   int size_ = 0;
   int tailPlace_ = kNone;
   RaySegment tail_;     // the last one, most of what comes is merged into
-  float unseen_ = 0.0f;        // what costs no more is merged into the tail without a look at the others
+  float unseen_ = 0.0f;        // what costs no more, squared, is merged into the tail without a look at the others
   bool isTailRenewed_ = true;  // the cost of merging the last two is that of how they are
   PlaceList next_, before_;
 };

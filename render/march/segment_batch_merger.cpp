@@ -32,12 +32,13 @@ struct PairLanes {
   PairLanes pairs;
   const FloatBatch depthA = depthBeside<FloatBatch>(front, back), depthB = depthBeside<FloatBatch>(back, front), depth = depthA + depthB;
   const auto hasDepth = depth > zero;
-  const auto extent = extentByMoments(front, back, depthB / xsimd::select(hasDepth, depth, one));
+  const auto extent = extentBySpread(front, back, depthB / xsimd::select(hasDepth, depth, one));
   const BasicRayExtent<FloatBatch> both{xsimd::select(hasDepth, extent.begin, front.begin), xsimd::select(hasDepth, extent.end, back.end)};
-  const auto hasLength = both.length() > zero, costs = front.contribution() > zero && back.contribution() > zero && back.end - front.begin > zero;
-  const FloatBatch perUnit = xsimd::select(hasLength, one / xsimd::select(hasLength, both.length(), one), zero);
-  const FloatBatch perLight = one / xsimd::select(costs, front.contribution() + back.contribution(), one);
-  const FloatBatch cost = xsimd::select(costs, mergeCost(front, back, both, perUnit, perLight), zero);
+  const auto hasLength = both.length() > zero;
+  const FloatBatch light = front.contribution() + back.contribution(), length = xsimd::select(hasLength, both.length(), one);
+  const auto costs = front.contribution() > zero && back.contribution() > zero && back.end - front.begin > zero && light * length > FloatBatch(kLeastCostly);
+  const FloatBatch perBoth = one / xsimd::select(costs, light * length, one);
+  const FloatBatch cost = xsimd::select(costs, squaredMergeCost(front, back, both, xsimd::select(hasLength, light * perBoth, zero), length * perBoth), zero);
   pairs.cost = xsimd::select(cost == cost, cost, FloatBatch(kNever));  // of so little light that a number holds no share of it
   pairs.both.begin = both.begin;
   pairs.both.end = both.end;
@@ -208,7 +209,7 @@ void SegmentBatchMerger::give(SegmentMerger& other) const {
   for (int i = 0; i + 1 < size_; ++i) {
     const int place = placeOf(i), behind = placeOf(i + 1);
     other.memory_.setSegment(place, at(i));
-    other.memory_.setCost(place, std::bit_cast<uint32_t>(mergeCost(at(i), (*this)[i + 1])));
+    other.memory_.setCost(place, std::bit_cast<uint32_t>(squaredMergeCost(at(i), (*this)[i + 1])));
     other.next_.set(place, behind);
     other.before_.set(behind, place);
   }
@@ -229,7 +230,7 @@ bool SegmentBatchMerger::lookAtAllIn(const RaySegment& next, float cost) {
   AllPairs<kCount> pairs(lanes, next);
   const auto [pair, least] = pairs.cheapest(room_ - 1, *this);
   const bool isOfTail = cost <= least;
-  unseen_ = kMergedUnseen * (isOfTail ? cost : least);
+  unseen_ = kMergedUnseenSquared * (isOfTail ? cost : least);
   if (isOfTail) return false;
   pairs.merge(pair, lanes);
   store(lanes, rows_[0], kRowLanes);

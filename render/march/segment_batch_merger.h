@@ -43,7 +43,7 @@ class SegmentBatchMerger {
       return;
     }
     if (!isSurelyAtMost(tail_, next, unseen_)) {
-      const float cost = mergeCost(tail_, next);
+      const float cost = squaredMergeCost(tail_, next);
       if (!(cost <= unseen_) && lookAtAll(next, cost)) return;
     }
     mergeInto(tail_, next);
@@ -78,7 +78,7 @@ class SegmentBatchMerger {
   alignas(64) float rows_[kRows][kRowLanes] = {};
   int room_, size_ = 0;
   RaySegment tail_;        // the last one; its place in rows_ has anything
-  float unseen_ = 0.0f;    // what costs no more is merged into the tail without a look at the others
+  float unseen_ = 0.0f;    // what costs no more, squared, is merged into the tail without a look at the others
   uint64_t places_ = kInOrder;  // four bits each, of all that there is room for: those of segments, then those that are free
 };
 
