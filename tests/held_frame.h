@@ -11,28 +11,21 @@ namespace warpscope {
 /// In host memory after all; or lost.
 class HeldFrame final : public FrameOnDevice {
  public:
-  explicit HeldFrame(SampleFrame frame, bool isLost = false) : frame_(std::move(frame)), isLost_(isLost) {}
+  explicit HeldFrame(SampleFrame frame, bool isLost = false) : frame_(std::move(frame)), isLost_(isLost) {
+    for (size_t i = 0; i < frame_.size(); i += probeStride(frame_.size())) samples_.push_back(frame_.samples[i]);
+    size_t at = 0;
+    for (size_t pixel = 0; pixel < frame_.segments.rays.size(); ++pixel) {
+      const int count = frame_.segments.rays[pixel].count();
+      if (pixel % probeStride(frame_.segments.rays.size()) == 0 && count > 0) segments_.push_back({static_cast<uint32_t>(pixel), frame_.segments.depths[at].begin});
+      at += static_cast<size_t>(count);
+    }
+  }
 
   size_t sampleCount() const override { return frame_.size(); }
   size_t segmentCount() const override { return frame_.segments.size(); }
   bool hasNormals() const override { return !frame_.segments.normals.empty(); }
-  TransferVector<PackedSample> everySample(size_t stride) const override {
-    requireDevice();
-    TransferVector<PackedSample> samples;
-    for (size_t i = 0; i < frame_.size(); i += stride) samples.push_back(frame_.samples[i]);
-    return samples;
-  }
-  TransferVector<FirstSegment> firstSegments(size_t stride) const override {
-    requireDevice();
-    TransferVector<FirstSegment> first;
-    size_t at = 0;
-    for (size_t pixel = 0; pixel < frame_.segments.rays.size(); ++pixel) {
-      const int count = frame_.segments.rays[pixel].count();
-      if (pixel % stride == 0 && count > 0) first.push_back({static_cast<uint32_t>(pixel), frame_.segments.depths[at].begin});
-      at += static_cast<size_t>(count);
-    }
-    return first;
-  }
+  const std::vector<PackedSample>& probedSamples() const override { return samples_; }
+  const std::vector<FirstSegment>& probedSegments() const override { return segments_; }
   void copyTo(SampleFrame& frame) const override {
     requireDevice();
     frame.samples = frame_.samples;
@@ -48,6 +41,8 @@ class HeldFrame final : public FrameOnDevice {
 
   const SampleFrame frame_;
   const bool isLost_;
+  std::vector<PackedSample> samples_;
+  std::vector<FirstSegment> segments_;
 };
 
 /// The same frame as a marcher leaves it on a device.

@@ -11,11 +11,6 @@
 #include "render/march/lattice.h"
 
 namespace warpscope {
-namespace {
-
-constexpr size_t kProbes = 256;  // of samples or segments
-
-}  // namespace
 
 bool hasLattice(const SampleFrame& frame) {
   return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
@@ -23,11 +18,10 @@ bool hasLattice(const SampleFrame& frame) {
 
 namespace {
 
-TransferVector<PackedSample> probesOf(const SampleFrame& frame) {
-  const size_t stride = std::max(frame.size() / kProbes, size_t{1});
-  if (frame.isAway) return frame.device->everySample(stride);
-  TransferVector<PackedSample> samples;
-  for (size_t i = 0; i < frame.size(); i += stride) samples.push_back(frame.samples[i]);
+std::vector<PackedSample> probesOf(const SampleFrame& frame) {
+  if (frame.isAway) return frame.device->probedSamples();
+  std::vector<PackedSample> samples;
+  for (size_t i = 0; i < frame.size(); i += probeStride(frame.size())) samples.push_back(frame.samples[i]);
   return samples;
 }
 
@@ -35,7 +29,7 @@ TransferVector<PackedSample> probesOf(const SampleFrame& frame) {
 
 Placement placementOf(const SampleFrame& frame) {
   if (!hasLattice(frame)) return Placement::depth;
-  const TransferVector<PackedSample> samples = probesOf(frame);
+  const std::vector<PackedSample> samples = probesOf(frame);
   TransferVector<uint32_t> columns, rows;
   for (const PackedSample sample : samples) {
     columns.push_back(columnOf(sample));
@@ -57,11 +51,11 @@ Placement placementOf(const SampleFrame& frame) {
 
 namespace {
 
-TransferVector<FirstSegment> probedSegmentsOf(const SampleFrame& frame) {
+std::vector<FirstSegment> probedSegmentsOf(const SampleFrame& frame) {
+  if (frame.isAway) return frame.device->probedSegments();
   const FrameSegments& segments = frame.segments;
-  const size_t pixels = size_t{frame.camera.width} * frame.camera.height, stride = std::max(pixels / kProbes, size_t{1});
-  if (frame.isAway) return frame.device->firstSegments(stride);
-  TransferVector<FirstSegment> first;
+  const size_t stride = probeStride(size_t{frame.camera.width} * frame.camera.height);
+  std::vector<FirstSegment> first;
   const std::vector<size_t> starts = segmentStarts(segments.rays, stride);
   for (size_t probe = 0; probe + 1 < starts.size(); ++probe)
     if (segments.rays[probe * stride].count() > 0) first.push_back({static_cast<uint32_t>(probe * stride), segments.depths[starts[probe]].begin});
@@ -72,7 +66,7 @@ TransferVector<FirstSegment> probedSegmentsOf(const SampleFrame& frame) {
 
 Placement borderPlacementOf(const SampleFrame& frame) {
   if (!hasLattice(frame) || (frame.isAway ? frame.device->segmentCount() : frame.segments.size()) == 0) return Placement::depth;
-  const TransferVector<FirstSegment> probes = probedSegmentsOf(frame);
+  const std::vector<FirstSegment> probes = probedSegmentsOf(frame);
   TransferVector<uint32_t> columns, rows, codes;
   for (const FirstSegment& segment : probes) {
     columns.push_back(segment.pixel % frame.camera.width);

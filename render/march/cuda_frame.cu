@@ -15,47 +15,7 @@ void fetch(TransferVector<T>& to, const cuda::DeviceBuffer<Held>& from, size_t c
   if (count > 0) WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(to.data(), from.data(), count * sizeof(Held), cudaMemcpyDeviceToHost, stream));
 }
 
-constexpr unsigned kThreads = 256;
-constexpr uint32_t kNoPixel = ~0u;
-
-/// A thread for each pixel that is looked at.
-__global__ void __launch_bounds__(kThreads)
-    findFirstSegments(size_t count, size_t stride, const RaySegmentCount* rays, const uint32_t* ends, const SegmentDepths* depths, FirstSegment* first) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
-  if (i >= count) return;
-  const size_t pixel = i * stride;
-  const int own = rays[pixel].count();
-  first[i] = own > 0 ? FirstSegment{static_cast<uint32_t>(pixel), depths[ends[pixel] - static_cast<uint32_t>(own)].begin} : FirstSegment{kNoPixel, 0};
-}
-
 }  // namespace
-
-TransferVector<FirstSegment> CudaFrame::firstSegments(size_t stride) const {
-  const size_t count = (sizes_.rays + stride - 1) / stride;
-  CudaFrameBuffers& held = buffers();
-  TransferVector<FirstSegment> first;
-  if (count == 0 || sizes_.segments == 0) return first;
-  const cuda::Settled settled(memory_->stream);
-  memory_->probes.reserve(count);
-  findFirstSegments<<<cuda::blocksFor(count, kThreads), kThreads, 0, memory_->stream>>>(count, stride, held.rays.data(), held.ends.data(), held.depths.data(), memory_->probes.data());
-  WARPSCOPE_CUDA_CHECK_LAUNCH();
-  fetch(first, memory_->probes, count, memory_->stream);
-  memory_->stream.synchronize();
-  std::erase_if(first, [](const FirstSegment& segment) { return segment.pixel == kNoPixel; });
-  return first;
-}
-
-TransferVector<PackedSample> CudaFrame::everySample(size_t stride) const {
-  const size_t count = (sizes_.samples + stride - 1) / stride;
-  TransferVector<PackedSample> samples{TransferAllocator<PackedSample>(cuda::pinnedMemory())};
-  samples.resize(count);
-  if (count == 0) return samples;
-  constexpr size_t kBytes = sizeof(PackedSample);
-  const cuda::Stream& stream = memory_->stream;
-  WARPSCOPE_CUDA_CHECK(cudaMemcpy2DAsync(samples.data(), kBytes, buffers().samples.data(), stride * kBytes, kBytes, count, cudaMemcpyDeviceToHost, stream));
-  stream.synchronize();
-  return samples;
-}
 
 void CudaFrame::copyTo(SampleFrame& frame) const {
   cuda::Event copied;

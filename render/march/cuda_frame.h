@@ -23,9 +23,7 @@ struct CudaFrameBuffers {
 
 struct CudaFrameMemory {
   CudaFrameBuffers buffers;
-  // For those who look at a frame and have none.
-  cuda::Stream stream;
-  cuda::DeviceBuffer<FirstSegment> probes;
+  cuda::Stream stream;  ///< for those who look at a frame and have none
 };
 
 using CudaFramePool = SharedPool<CudaFrameMemory>;
@@ -51,12 +49,16 @@ class CudaFrame final : public FrameOnDevice {
   CudaFrameBuffers& buffers() const { return memory_->buffers; }
   const CudaFrameSizes& sizes() const { return sizes_; }
   void setSizes(const CudaFrameSizes& sizes) { sizes_ = sizes; }
+  void setProbes(std::vector<PackedSample> samples, std::vector<FirstSegment> segments) {
+    probedSamples_ = std::move(samples);
+    probedSegments_ = std::move(segments);
+  }
 
   size_t sampleCount() const override { return sizes_.samples; }
   size_t segmentCount() const override { return sizes_.segments; }
   bool hasNormals() const override { return sizes_.hasNormals; }
-  TransferVector<PackedSample> everySample(size_t stride) const override;
-  TransferVector<FirstSegment> firstSegments(size_t stride) const override;
+  const std::vector<PackedSample>& probedSamples() const override { return probedSamples_; }
+  const std::vector<FirstSegment>& probedSegments() const override { return probedSegments_; }
   void copyTo(SampleFrame& frame) const override;
   /// As that, in a stream of the caller's; `copied` is when all was there.
   void copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& copied) const;
@@ -64,6 +66,8 @@ class CudaFrame final : public FrameOnDevice {
  private:
   const CudaFramePool::Lease memory_;
   CudaFrameSizes sizes_;
+  std::vector<PackedSample> probedSamples_;
+  std::vector<FirstSegment> probedSegments_;
 };
 
 }  // namespace warpscope

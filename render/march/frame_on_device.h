@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
+#include "render/core/host_device.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
 
@@ -16,6 +18,12 @@ struct FirstSegment {
   uint32_t pixel, begin;
 };
 
+/// Of samples, and of pixels' rays, about so many tell where the grid of a frame's rays lies: at equal strides, from the first on.
+inline constexpr size_t kFrameProbes = 256;
+WARPSCOPE_HD inline size_t probeStride(size_t count) { return count < 2 * kFrameProbes ? 1 : count / kFrameProbes; }
+/// There are never more.
+inline constexpr size_t kMostFrameProbes = 2 * kFrameProbes;
+
 /// Samples, colours, layers and segments of a frame. It keeps their memory; what is there no longer changes.
 class FrameOnDevice {
  public:
@@ -25,10 +33,10 @@ class FrameOnDevice {
   virtual size_t segmentCount() const = 0;
   /// Of segments.
   virtual bool hasNormals() const = 0;
-  /// Every `stride`-th sample, from the first on. Waits. Throws DeviceError.
-  virtual TransferVector<PackedSample> everySample(size_t stride) const = 0;
-  /// Of every `stride`-th pixel, from the first on, those that have segments. Of a frame that its marcher left there. Waits. Throws DeviceError.
-  virtual TransferVector<FirstSegment> firstSegments(size_t stride) const = 0;
+  /// Every probeStride()-th sample. Of a frame that its marcher left there, as what follows.
+  virtual const std::vector<PackedSample>& probedSamples() const = 0;
+  /// Of every probeStride()-th pixel those that have segments.
+  virtual const std::vector<FirstSegment>& probedSegments() const = 0;
   /// Fills the vectors of `frame` that are of such things, page-locked, and those of its planes that are there. Waits. Throws DeviceError.
   virtual void copyTo(SampleFrame& frame) const = 0;
 };

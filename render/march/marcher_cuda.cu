@@ -19,6 +19,7 @@
 #include "render/march/cuda_frame.h"
 #include "render/march/device_cells.h"
 #include "render/march/device_octants.h"
+#include "render/march/device_probes.h"
 #include "render/march/device_segments.h"
 #include "render/march/device_table.h"
 #include "render/march/device_volume.h"
@@ -175,16 +176,18 @@ class CudaMarcher final : public Marcher {
     if (sendsSpread) compactSpreads(places, found);
     raySegments_.compact(found, &counts_.data()->segments, stream_);
     compacted_.record(stream_);
+    const bool hasSegments = settings.sample.segments > 0;
+    probes_.ask(found, deviceCount_.data(), hasSegments ? pixels : 0, stream_);
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
 
-    const bool hasSegments = settings.sample.segments > 0;
     result.found->setSizes({.samples = counts_->samples,
                             .rays = hasSegments ? pixels : 0,
                             .segments = counts_->segments,
                             .hasLayers = slots > 1 && hasLayers(found.layers, counts_->samples),
                             .hasSpreads = sendsSpread,
                             .hasNormals = hasSegments && hasNormals});
+    probes_.giveTo(*result.found);
     if (settings.sample.proxy > 0) result.frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     result.frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
     result.frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
@@ -439,6 +442,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<float> denseSpreads_;
   cuda::DeviceBuffer<uint8_t> lastLayer_{1};
   DeviceSegments raySegments_;
+  DeviceProbes probes_;
   cuda::DeviceBuffer<glm::vec4> image_;
   cuda::DeviceBuffer<float> noise_;  // of jitter, once there is some
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};
