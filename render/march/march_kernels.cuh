@@ -122,9 +122,9 @@ __device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, con
 }
 
 /// Segments that a march has found, into the pixel's places. `source` is any of the ray's path.
-template <class Job, class Source, class Light>
-__device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, SharedSegmentMerger& found, bool isEnded,
-                                          const Source& source, const Light& light) {
+template <class Job, class Merger, class Source, class Light>
+__device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, Merger& found, bool isEnded, const Source& source,
+                                          const Light& light) {
   WARPSCOPE_COUNT(segmentedRays, 1);
   found.finish(job.segmentSlots, path.lattice);
   const size_t place = size_t{pixel.y} * job.camera.width + pixel.x, first = place * static_cast<size_t>(job.segmentSlots);
@@ -145,8 +145,8 @@ __device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixe
 template <class Job, class MakeSource, class Light>
 __device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, const MakeSource& makeSource,
                                         const Light& light) {
-  SharedSegmentMerger found(mergerRoomFor(job.segmentSlots));
-  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&found, path.lattice);
+  SharedSegmentMerger<> found(mergerRoomFor(job.segmentSlots));
+  SegmentedColor<StableMarch, SharedSegmentMerger<>> gathered(&found, path.lattice);
   auto source = makeSource();
   marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
   storeFoundSegments(job, pixel, path, cosine, found, gathered.transmittance.value() < job.limits.stopBelow, source, light);
@@ -161,8 +161,8 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __gr
   storeRaySegments(job, pixel, path, cosine, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
 }
 
-/// The pixel's only sample and its ray's segments, in one march.
-template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
+/// The pixel's only sample and its ray's segments, in one march. kRoom: of the mergers; 0: what the job's segments take.
+template <int kRoom, class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchSegmentedSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfSquare(job.firstRow);
@@ -170,8 +170,8 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
   const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>(job.view, path.ray, path.lattice); };
-  SharedSegmentMerger segments(mergerRoomFor(job.segmentSlots));
-  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&segments, path.lattice);
+  SharedSegmentMerger<kRoom> segments(mergerRoomFor(job.segmentSlots));
+  SegmentedColor<StableMarch, SharedSegmentMerger<kRoom>> gathered(&segments, path.lattice);
   const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
   storeSample(job, pixel, cosine, size_t{pixel.y} * job.camera.width + pixel.x, found, gathered.premultiplied());
   storeFoundSegments(job, pixel, path, cosine, segments, gathered.transmittance.value() < job.limits.stopBelow, makeSource(), light);
@@ -260,6 +260,9 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
 #endif
 }
 
+/// What scenes ask for that do not say how many segments a ray has.
+inline constexpr int kUsualSegments = 4, kUsualRoom = mergerRoomFor(kUsualSegments);
+
 /// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, the rays are not divided, nobody wants their segments, empty cells are passed over and no bin is
 /// refined, which is the usual march; one for the heuristics of one pass and one for those of two elsewhere. There the choice at each sample is lost beside
 /// gradients, second passes, segments and voxels that are all looked at, and costs 8 % where rays are divided, 11 % where bins are refined (an H100); the compiler
@@ -279,8 +282,13 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     } else if (heuristic && job.segmentSlots > 0) {
       visitRefined([&](auto isRefined) {
         visitAnyHeuristic(*heuristic, [&](auto depth) {
-          launchWithMergers(marchSegmentedSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job,
-                            depth, light);
+          const auto launch = [&](auto room) {
+            launchWithMergers(marchSegmentedSamples<decltype(room)::value, decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>, grid, stream,
+                              job.segmentSlots, job, depth, light);
+          };
+          if constexpr (kByCells && !kHasHoles)
+            if (mergerRoomFor(job.segmentSlots) == kUsualRoom) return launch(std::integral_constant<int, kUsualRoom>{});
+          launch(std::integral_constant<int, 0>{});
         });
       });
     } else if (heuristic) {

@@ -31,7 +31,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   if (number >= job.count) return;
   const PieceRay ray = job.rays[number];
   RelayedState state;
-  SharedSegmentMerger segments(job.segmentSlots > 0 ? mergerRoomFor(job.segmentSlots) : 0);  // without room it has no memory, and is not used
+  SharedSegmentMerger<> segments(job.segmentSlots > 0 ? mergerRoomFor(job.segmentSlots) : 0);  // without room it has no memory, and is not used
   if (ray.met >= 0) {
     state = job.met[ray.met];
     if (job.segmentSlots > 0) segments.take(job.metSegments[ray.met]);
@@ -45,7 +45,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   bool isDone = ray.isLast, hasListed = false;
   if (begin < own.end || (kIsGreatest && ray.isLast)) {
     auto source = sourceOf<Source>(job, setup, path);
-    SegmentedColor<StableMarch, SharedSegmentMerger> gathered(job.segmentSlots > 0 ? &segments : nullptr, path.lattice);
+    SegmentedColor<StableMarch, SharedSegmentMerger<>> gathered(job.segmentSlots > 0 ? &segments : nullptr, path.lattice);
     static_cast<RayColor&>(gathered) = state.color;
     const auto sink = [&](const CountingSample& met) {
       if (!job.wantsSamples) return true;

@@ -167,6 +167,8 @@ WARPSCOPE_HD constexpr int mergerRoomFor(int most) { return most <= 4 ? 8 : kMos
 /// Where a merger keeps what it holds: by default in itself. Places for segments, and for what merging each with the one behind it costs, squared.
 class OwnMergerMemory {
  public:
+  /// How many it has room for, if that is known when it is compiled; 0: as the merger says.
+  static constexpr int kRoom = 0;
 
   WARPSCOPE_HD RaySegment segment(int i) const { return segments_[i]; }
   WARPSCOPE_HD void setSegment(int i, const RaySegment& segment) { segments_[i] = segment; }
@@ -205,7 +207,7 @@ class BasicSegmentMerger {
     tailPlace_ = kNone;
     unseen_ = 0.0f;
     isTailRenewed_ = true;
-    for (int i = 0; i < room_; ++i) memory_.setCost(i, kNever);
+    for (int i = 0; i < room(); ++i) memory_.setCost(i, kNever);
   }
 
   /// Becomes what `other` is, which has as much room and keeps what it holds elsewhere.
@@ -218,7 +220,7 @@ class BasicSegmentMerger {
     isTailRenewed_ = other.isTailRenewed_;
     next_ = other.next_;
     before_ = other.before_;
-    for (int i = 0; i < room_; ++i) memory_.setCost(i, other.memory_.cost(i));
+    for (int i = 0; i < room(); ++i) memory_.setCost(i, other.memory_.cost(i));
     for (int i = first(); i != kNone && i != tailPlace_; i = behind(i)) memory_.setSegment(i, other.memory_.segment(i));
   }
 
@@ -230,7 +232,7 @@ class BasicSegmentMerger {
 
   /// What comes next along the ray. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
   WARPSCOPE_HD void add(const RaySegment& next) {
-    const bool isFull = size_ == room_;
+    const bool isFull = size_ == room();
     bool isMerged = isFull && isSurelyAtMost(tail_, next, unseen_);
     int place = size_;
     if (size_ > 0 && !isMerged) {
@@ -295,6 +297,12 @@ class BasicSegmentMerger {
   friend class SegmentBatchMerger;
   static constexpr uint32_t kNever = 0xffffffffu;
 
+  WARPSCOPE_HD int room() const {
+    if constexpr (Memory::kRoom > 0)
+      return Memory::kRoom;
+    else
+      return room_;
+  }
   /// Of numbers that are not negative, in their order.
   WARPSCOPE_HD static uint32_t bitsOfCost(float cost) {
     uint32_t bits;
@@ -311,7 +319,7 @@ class BasicSegmentMerger {
   WARPSCOPE_HD int cheapestPair() const {
     uint32_t least = kNever;
     int cheapest = 0;
-    for (int eight = 0; eight < room_; eight += 8)
+    for (int eight = 0; eight < room(); eight += 8)
       for (int i = eight; i < eight + 8; ++i) {
         const uint32_t cost = memory_.cost(i);
         cheapest = cost < least ? i : cheapest;

