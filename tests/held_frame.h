@@ -1,7 +1,10 @@
 // What a frame looks like that was left on a device, without one.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "render/base/error.h"
 #include "render/march/sample_frame.h"

@@ -3,7 +3,7 @@
 //
 // A segment has the light and the opacity of all the samples that became it, as seen from the ray's beginning with nothing in front: segments over one another
 // are the ray (Porter, Duff 1984), however they were merged. What is lost is where within the segment they were. So two become the homogeneous stretch whose optical depth
-// has the same mean place and the same mean distance between any two of its places (Gini 1912; a standard deviation would take a root, and measured no better), cut off where that would
+// has the same mean place and the same mean distance between any two of its places (Gini 1912; a standard deviation would take a root, and pictures are no better by it), cut off where that would
 // reach beyond both: a surface with haze before it stays as thin as a surface, and what is homogeneous stays what it is (a twenty-fifth shorter where it is nearly opaque). Optical depth is
 // taken as a / (1 - a / 2), a being the opacity: right up to a^3 / 12, and without a logarithm.
 //
@@ -107,7 +107,7 @@ WARPSCOPE_HD inline Number recolored(const Segment& front, const Segment& back) 
 }
 
 /// Whether merging the two costs, squared, no more than `squared`, without a division: as if they became all from the first one's beginning to the second one's end. Hardly ever says so
-/// where squaredMergeCost() is more.
+/// where squaredMergeCost() is more; always of light below some 1e-11, which nobody sees and whose fourth power is no number.
 WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegment& back, float squared) {
   const float lightA = front.contribution(), lightB = back.contribution(), light = lightA + lightB, length = back.end - front.begin;
   // The difference is a line on each of the three parts: without a gap its square has a third of the largest.
@@ -117,7 +117,7 @@ WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegmen
   return mulAdd(lightMoved, lightMoved, lightRecolored * lightRecolored) <= squared * (light * light);
 }
 
-/// Of less light times length nothing is seen: merging it costs nothing.
+/// Merging what has no more light times length (light alone, where what two become has no length) costs nothing: its square is less than a number holds. The inverse of more is finite.
 inline constexpr float kLeastCostly = 1e-30f;
 
 /// What merging two costs that have light and become `both`, squared. `perLight`: 1 over the light of both.

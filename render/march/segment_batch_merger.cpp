@@ -39,7 +39,7 @@ struct PairLanes {
   const auto costs = front.contribution() > zero && back.contribution() > zero && back.end - front.begin > zero && light * length > FloatBatch(kLeastCostly);
   const FloatBatch perBoth = one / xsimd::select(costs, light * length, one);
   const FloatBatch cost = xsimd::select(costs, squaredMergeCost(front, back, both, xsimd::select(hasLength, light * perBoth, zero), length * perBoth), zero);
-  pairs.cost = xsimd::select(cost == cost, cost, FloatBatch(kNever));  // of so little light that a number holds no share of it
+  pairs.cost = xsimd::select(cost == cost, cost, FloatBatch(kNever));  // what is no number costs most, as its bits do in BasicSegmentMerger
   pairs.both.begin = both.begin;
   pairs.both.end = both.end;
   const FloatBatch rest = 1.0f - front.opacity;

@@ -20,6 +20,8 @@ uint32_t lanesOf(size_t symbols, uint32_t step) { return static_cast<uint32_t>(s
 constexpr size_t kSpareWords = 16;
 
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
+static_assert(kSpareWords >= kAnsVectorLanes);
+
 /// Calls `f` with the first of each vector's lanes.
 template <class F>
 void forEachVector(const F& f) {
