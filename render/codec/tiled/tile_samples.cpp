@@ -8,18 +8,13 @@
 #include "render/codec/place_differences.h"
 #include "render/codec/radius_prediction.h"
 #include "render/codec/tiled/covered_bits.h"
+#include "render/codec/tiled/sheet_colors.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
 namespace {
 
 size_t planeOf(SampleNumbers plane) { return static_cast<size_t>(plane); }
-size_t planeOf(SampleBytes plane) { return static_cast<size_t>(plane); }
-
-ColorDifferences differencesIn(SheetLayer& planes) {
-  const auto plane = [&](SampleBytes bytes) { return planes.byte(planeOf(bytes)).data(); };
-  return {plane(SampleBytes::alpha), plane(SampleBytes::green), plane(SampleBytes::red), plane(SampleBytes::blue)};
-}
 
 /// Each row changed by the row above.
 void putMask(std::span<const uint8_t> counts, const TileRect& rect, TransferVector<uint8_t>& changes) {
@@ -124,7 +119,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
       for (size_t k = 0; k < size; ++k) differences[k] = zigzag(static_cast<int32_t>(depthCode(samples_[k])) - static_cast<int32_t>(codes_[k]));
     }
     putRadii(radius, layer_.neighbors(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
-    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn(planes));
+    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn<SampleBytes>(planes));
     if (!layer_.goBehind()) return;
     goBehind();
   }
@@ -190,7 +185,7 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
         samples_[k] = packCodes(layer_.columns()[k], layer_.rows()[k], code, 0);
       }
     }
-    takeColors(differencesIn(planes_), layer_.neighbors().data(), size, slots_.data());
+    takeColors(differencesIn<SampleBytes>(planes_), layer_.neighbors().data(), size, slots_.data());
     takeRadii(radius, layer_.neighbors(), planes_.number(planeOf(SampleNumbers::radius)).data(), slots_.data() + 1, fine_.data(), samples_);
     for (size_t k = 0; k < size; ++k) {
       frame.samples[at_[k] + l] = samples_[k];

@@ -6,6 +6,7 @@
 
 #include "render/codec/color_differences.h"
 #include "render/codec/place_differences.h"
+#include "render/codec/tiled/sheet_colors.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
@@ -13,11 +14,6 @@ namespace {
 
 size_t planeOf(SegmentNumbers plane) { return static_cast<size_t>(plane); }
 size_t planeOf(SegmentBytes plane) { return static_cast<size_t>(plane); }
-
-ColorDifferences differencesIn(SheetLayer& planes) {
-  const auto plane = [&](SegmentBytes bytes) { return planes.byte(planeOf(bytes)).data(); };
-  return {plane(SegmentBytes::alpha), plane(SegmentBytes::green), plane(SegmentBytes::red), plane(SegmentBytes::blue)};
-}
 
 /// The rays of a row of the tile.
 template <class Rays>
@@ -122,7 +118,7 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
     putBorders(planes, l == 0);
-    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn(planes));
+    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn<SegmentBytes>(planes));
     if (!segments.normals.empty()) {
       for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
       for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
@@ -171,7 +167,7 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     if (l > 0) behind = reader.stream(tile, l);
     if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
     takeBorders(planes_, l == 0);
-    takeColors(differencesIn(planes_), layer_.neighbors().data(), size, slots_.data());
+    takeColors(differencesIn<SegmentBytes>(planes_), layer_.neighbors().data(), size, slots_.data());
     for (size_t k = 0; k < size; ++k) {
       segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
       segments.colors[at_[k] + l] = slots_[k + 1];
