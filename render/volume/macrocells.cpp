@@ -57,6 +57,42 @@ void markVisible(const VisibleBins& bins, const float* lowest, const float* high
 /// What a cell of no finite voxel has: the first is greater.
 constexpr int kNoLowest = 1, kNoHighest = 0;
 
+/// The least and the greatest of voxels; of those that are finite. Of none the first is greater.
+template <class Voxel>
+struct VoxelExtremes {
+  Voxel lowest = std::numeric_limits<Voxel>::max(), highest = std::numeric_limits<Voxel>::lowest();
+
+  void take(const VoxelExtremes& other) {
+    lowest = other.lowest < lowest ? other.lowest : lowest;
+    highest = highest < other.highest ? other.highest : highest;
+  }
+};
+
+/// Of each column of a row of cells, along x: the extremes of all lines that the cells share, as many voxels at once as vectors hold.
+template <class Voxel>
+class ColumnExtremes {
+ public:
+  explicit ColumnExtremes(size_t length) : lowest_(length), highest_(length) {}
+
+  void clear() {
+    std::ranges::fill(lowest_, VoxelExtremes<Voxel>().lowest);
+    std::ranges::fill(highest_, VoxelExtremes<Voxel>().highest);
+  }
+  void take(const Voxel* line) {
+    Voxel* const lowest = lowest_.data();
+    Voxel* const highest = highest_.data();
+    for (size_t x = 0; x < lowest_.size(); ++x) {
+      const bool counts = isFiniteVoxel(line[x]);
+      lowest[x] = counts && line[x] < lowest[x] ? line[x] : lowest[x];
+      highest[x] = counts && highest[x] < line[x] ? line[x] : highest[x];
+    }
+  }
+  VoxelExtremes<Voxel> of(int x) const { return {lowest_[static_cast<size_t>(x)], highest_[static_cast<size_t>(x)]}; }
+
+ private:
+  std::vector<Voxel> lowest_, highest_;
+};
+
 }  // namespace
 
 Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(volume.type()), scale_(scale) {
@@ -82,41 +118,32 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     }
     const size_t rowBytes = volume.sizeBytes() / rows;  // about
     beginLooking((endRow - firstRow) * rowBytes);
-    const auto findRow = [&](size_t row) {
+    const auto findRow = [&](size_t row, ColumnExtremes<Voxel>& columns) {
       keepWithinMemoryLimit();
       noteLooked(rowBytes);
-      const int cy = static_cast<int>(row % dims_.y);
-      const int cz = static_cast<int>(row / dims_.y);
+      const glm::ivec3 first = glm::ivec3(0, static_cast<int>(row % dims_.y), static_cast<int>(row / dims_.y)) * edge_;
+      const glm::ivec3 last = glm::min(first + edge_, n - 1);
+      columns.clear();
+      for (int z = first.z; z <= last.z; ++z)
+        for (int y = first.y; y <= last.y; ++y) columns.take(voxels + (size_t(z) * n.y + y) * n.x);
       for (int cx = 0; cx < dims_.x; ++cx) {
-        const glm::ivec3 first = glm::ivec3(cx, cy, cz) * edge_;
-        const glm::ivec3 last = glm::min(first + edge_, n - 1);
-        bool any = false;
-        Voxel lowest = std::numeric_limits<Voxel>::max();
-        Voxel highest = std::numeric_limits<Voxel>::lowest();
-        for (int z = first.z; z <= last.z; ++z)
-          for (int y = first.y; y <= last.y; ++y) {
-            const Voxel* line = voxels + (size_t(z) * n.y + y) * n.x;
-            for (int x = first.x; x <= last.x; ++x) {
-              if (!isFiniteVoxel(line[x])) continue;
-              any = true;
-              lowest = std::min(lowest, line[x]);
-              highest = std::max(highest, line[x]);
-            }
-          }
-        if (!any) continue;
+        VoxelExtremes<Voxel> ofCell;
+        for (int x = cx * edge_, end = std::min(x + edge_, n.x - 1); x <= end; ++x) ofCell.take(columns.of(x));
+        if (ofCell.lowest > ofCell.highest) continue;
         const size_t cell = row * dims_.x + cx;
         if constexpr (kRounds<Voxel>) {
-          ranges->lowest[cell] = static_cast<double>(lowest);
-          ranges->highest[cell] = static_cast<double>(highest);
+          ranges->lowest[cell] = static_cast<double>(ofCell.lowest);
+          ranges->highest[cell] = static_cast<double>(ofCell.highest);
         } else {
-          ranges->lowest[cell] = interpolant(lowest, scale);
-          ranges->highest[cell] = interpolant(highest, scale);
+          ranges->lowest[cell] = interpolant(ofCell.lowest, scale);
+          ranges->highest[cell] = interpolant(ofCell.highest, scale);
         }
       }
     };
     const auto findRows = [&](size_t first, size_t end) {
       parallelForRanges(end - first, 4, stopOf(volume.ranks()), [&](size_t begin, size_t last) {
-        for (size_t row = first + begin; row < first + last; ++row) findRow(row);
+        ColumnExtremes<Voxel> columns(static_cast<size_t>(n.x));
+        for (size_t row = first + begin; row < first + last; ++row) findRow(row, columns);
       });
     };
     if (volume.ranks()) {
