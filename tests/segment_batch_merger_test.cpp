@@ -102,6 +102,83 @@ TEST(SegmentBatchMerger, IsHandedOnAsItIs) {
   }
 }
 
+/// As a march on a device does it: sample by sample, and the end of a group before the next one's.
+void addStep(SegmentMerger& merger, const RaySegment& sample, int step) {
+  merger.endGroup(step);
+  merger.addStep(sample, step);
+  if (merger.wantsGroupToEnd()) merger.endGroup(step);
+}
+
+/// Steps by groups, which a piece of a ray may end in the midst of.
+TEST(SegmentBatchMerger, GroupsOfStepsAreTheSameWhoeverHasThem) {
+  std::mt19937 random(23);
+  int grouped = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const SampledRay ray = rayOf(round - round % 7 + 1 + round % 6, random);  // no points
+    const int most = 1 + round % 16;
+    SegmentBatchMerger found(mergerRoomFor(most));
+    SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most)), single(mergerRoomFor(most));
+    for (const RaySegment& sample : ray.samples) {
+      const int step = static_cast<int>(std::lround((sample.begin - ray.lattice.t0) / ray.lattice.dt));
+      if (std::uniform_int_distribution(0, 9)(random) == 0) {
+        found.give(handed);
+        if (round % 2 == 0) addStep(handed, sample, step);
+        found.clear();
+        found.take(handed);
+        if (round % 2 == 1) found.addStep(sample, step);
+      } else {
+        found.addStep(sample, step);
+      }
+      addStep(expected, sample, step);
+      single.add(sample);
+    }
+    found.give(handed);
+    handed.finish(most, ray.lattice);
+    expected.finish(most, ray.lattice);
+    single.finish(most, ray.lattice);
+    found.take(handed);
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    const auto last = [](const SegmentMerger& merger) {
+      RaySegment segment;
+      for (int i = merger.first(); i != SegmentMerger::kNone; i = merger.behind(i)) segment = merger[i];
+      return segment;
+    };
+    grouped += last(expected).begin != last(single).begin;
+    // All light is kept, however it was merged.
+    float through = 1.0f, throughSingle = 1.0f;
+    for (int i = expected.first(); i != SegmentMerger::kNone; i = expected.behind(i)) through *= 1.0f - expected[i].opacity;
+    for (int i = single.first(); i != SegmentMerger::kNone; i = single.behind(i)) throughSingle *= 1.0f - single[i].opacity;
+    ASSERT_NEAR(through, throughSingle, 1e-5f) << round;
+  }
+  EXPECT_GT(grouped, 200);
+}
+
+/// What a full merger is given of a group of steps is the homogeneous stretch that they become; of another group it knows nothing.
+TEST(SegmentBatchMerger, AFullMergerTakesTheStepsOfAGroupAsOne) {
+  SegmentMerger merger(8), byHand(8);
+  // Eight that nothing is merged with for less than what follows costs: bright, of other colours, far apart.
+  int step = 0;
+  for (; step < 8; ++step) {
+    const RaySegment bright{static_cast<float>(step), static_cast<float>(step) + 1.0f, 0.5f, std::pow(0.5f, static_cast<float>(step)), step % 2 == 0 ? glm::vec3(0.5f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.5f, 0.0f)};
+    addStep(merger, bright, step);
+    byHand.add(bright);
+  }
+  ASSERT_EQ(merger.size(), 8);
+  RaySegment whole;
+  for (; step < 2 * kGroupedSteps; ++step) {
+    const RaySegment faint{static_cast<float>(step), static_cast<float>(step) + 1.0f, 0.01f, std::pow(0.5f, 8.0f), glm::vec3(0.005f)};
+    addStep(merger, faint, step);
+    step == 8 ? void(whole = faint) : mergeInto(whole, faint);
+  }
+  byHand.add(whole);
+  merger.endGroup(step);
+  ASSERT_EQ(merger.size(), byHand.size());
+  for (int i = merger.first(), j = byHand.first(); i != SegmentMerger::kNone; i = merger.behind(i), j = byHand.behind(j)) {
+    const RaySegment own = merger[i], other = byHand[j];
+    EXPECT_EQ(std::memcmp(&own, &other, sizeof own), 0) << i;
+  }
+}
+
 /// Samples that are the same cost the same: which two are merged is said by their places.
 TEST(SegmentBatchMerger, OfEqualPairsTheOneInTheLowestPlaceIsMerged) {
   for (const int most : {4, 16}) {

@@ -34,7 +34,7 @@ inline constexpr double kMostViewPan = 100.0;
 /// Scenes' settings unless they say others: frames have segments and a copy of the volume for the techniques that draw them (neededBy).
 inline MarchSettings defaultMarch() {
   MarchSettings march;
-  march.sample.segments = 4;
+  march.sample.segments = kUsualSegments;
   march.sample.proxy = 96;
   return march;
 }

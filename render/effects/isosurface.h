@@ -144,7 +144,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Isosu
         if (through * surface.opacity >= limits.contribution &&
             !sink(CountingSample::behind(ray.transmittance.exact(), through, places[s], 0.0f, surface.opacity)))
           return;
-        ray.add({i, places[s], 0.0f, surface.opacity}, color, through);
+        ray.add(PointSample{{i, places[s], 0.0f, surface.opacity}}, color, through);
         ray.transmittance.pass(surface.opacity);
         through = ray.transmittance.value();
         if (through < limits.stopBelow || !(through > 0.0f)) return;

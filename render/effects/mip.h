@@ -107,7 +107,7 @@ WARPSCOPE_HD inline void passGreatest(const GreatestValue& found, const Transfer
   if (!(ofStep > 0.0f)) return;
   const float through = ray.transmittance.value();
   if (through * alpha >= limits.contribution && !sink(CountingSample::behind(ray.transmittance.exact(), through, found.t, 0.0f, alpha))) return;
-  if constexpr (Gathered::kWantsColor) ray.add({found.i, found.t, 0.0f, alpha}, glm::vec3(transfer.entries[entry]) * (alpha / ofStep), through);
+  if constexpr (Gathered::kWantsColor) ray.add(PointSample{{found.i, found.t, 0.0f, alpha}}, glm::vec3(transfer.entries[entry]) * (alpha / ofStep), through);
   ray.transmittance.pass(alpha);
 }
 

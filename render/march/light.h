@@ -18,6 +18,9 @@ struct ClassifiedSample {
   glm::vec3 color{0.0f};  ///< linear, times the opacity
 };
 
+/// A sample that stands for a place of the ray, and for no length of it.
+struct PointSample : ClassifiedSample {};
+
 /// The transfer function's colours as they are.
 ///
 /// Any light has this one function, which returns the colour that the sample sends along the ray, linear and times its

@@ -71,6 +71,17 @@ inline constexpr int kSmallBatch = 2;
 inline constexpr double kMarchedOpacityError = 4 * 0x1p-24;
 inline constexpr double kMarchedColorError = 21.001 * 0x1p-24;
 
+/// Whether what gathers is to be told where groups of samples end (SegmentedColor).
+template <class Gathered>
+inline constexpr bool kIsToldOfGroups = requires { requires Gathered::kIsToldOfGroups; };
+template <class Gathered>
+WARPSCOPE_HD inline bool wantsGroupToEnd(const Gathered& ray) {
+  if constexpr (kIsToldOfGroups<Gathered>)
+    return ray.wantsGroupToEnd();
+  else
+    return false;
+}
+
 /// Marches samples [begin, end) of the path's lattice.
 ///
 /// `Source` tells what the samples look like, up to Source::kBatch at a time:
@@ -85,7 +96,8 @@ inline constexpr double kMarchedColorError = 21.001 * 0x1p-24;
 /// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece
 /// (ray_state.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
 /// near to far; if it returns false, the ray ends there, before that sample's light is added. Ends where transmittance
-/// falls below the limits'; `ray` must not come with less.
+/// falls below the limits'; `ray` must not come with less. What gathers group by group says so (kIsToldOfGroups): groups begin and end at the same steps of all lattices, so that rays beside
+/// each other, which a device marches together, end them together.
 template <class Source, class Light, class Gathered, class Sink>
 WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Source& source, const Light& light,
                                   const RayLimits& limits, Gathered& ray, Sink&& sink) {
@@ -117,23 +129,32 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
   const int last = lattice.count - 1;  // may be a part of a step: dealt with for itself, so that the others need not ask
   const int wholeEnd = end <= last ? end : last;
   int i = source.skip(begin);
-  while (i < wholeEnd) {
-    const int n = wholeEnd - i < Source::kBatch ? wholeEnd - i : Source::kBatch;
-    uint32_t visible = source.classify(i, n);
-    if constexpr (Gathered::kWantsColor)
-      if (visible != 0) lighting.look(path, source, i, visible);
-    const auto passAt = [&](int k) {
-      return pass({i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)},
-                  [&](const ClassifiedSample& sample) { return lighting.shade(sample, path.ray, source, k); });
-    };
-    if constexpr (Source::kBatch <= kSmallBatch) {
-      for (int k = 0; k < Source::kBatch; ++k)  // unrolled, so that what the source knows of them stays in registers
-        if ((visible >> k & 1u) != 0 && !passAt(k)) return;
-    } else {
-      for (; visible != 0; visible &= visible - 1)
-        if (!passAt(lowestBit(visible))) return;
-    }
-    i = source.skip(i + n);
+  // Whether there is more. One place, since what a group becomes is much code.
+  const auto goesOn = [&] {
+    if constexpr (kIsToldOfGroups<Gathered>) ray.endGroup(i < end ? i : end);
+    return i < wholeEnd;
+  };
+  while (goesOn()) {
+    int stop = wholeEnd;
+    if constexpr (kIsToldOfGroups<Gathered>) stop = Gathered::endOfGroup(i) < wholeEnd ? Gathered::endOfGroup(i) : wholeEnd;
+    do {
+      const int n = stop - i < Source::kBatch ? stop - i : Source::kBatch;
+      uint32_t visible = source.classify(i, n);
+      if constexpr (Gathered::kWantsColor)
+        if (visible != 0) lighting.look(path, source, i, visible);
+      const auto passAt = [&](int k) {
+        return pass({i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)},
+                    [&](const ClassifiedSample& sample) { return lighting.shade(sample, path.ray, source, k); });
+      };
+      if constexpr (Source::kBatch <= kSmallBatch) {
+        for (int k = 0; k < Source::kBatch; ++k)  // unrolled, so that what the source knows of them stays in registers
+          if ((visible >> k & 1u) != 0 && !passAt(k)) return;
+      } else {
+        for (; visible != 0; visible &= visible - 1)
+          if (!passAt(lowestBit(visible))) return;
+      }
+      i = source.skip(i + n);
+    } while (i < stop && !wantsGroupToEnd(ray));
   }
   if (i < end && source.classifyLast()) {
     const float ds = lattice.stepLength(last);

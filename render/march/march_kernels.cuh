@@ -260,8 +260,8 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
 #endif
 }
 
-/// What scenes ask for that do not say how many segments a ray has (app/scene/scene.h): march kernels of volumes without holes, by cells, are there for its room and for any, the others for any.
-inline constexpr int kUsualSegments = 4, kUsualRoom = mergerRoomFor(kUsualSegments);
+/// March kernels of volumes without holes, by cells, are there for the room of usual segments and for any, the others for any.
+inline constexpr int kUsualRoom = mergerRoomFor(kUsualSegments);
 
 /// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, the rays are not divided, nobody wants their segments, empty cells are passed over and no bin is
 /// refined, which is the usual march; one for the heuristics of one pass and one for those of two elsewhere. There the choice at each sample is lost beside

@@ -94,6 +94,7 @@ inline constexpr Range kContributionRange{1e-6, 0.5};
 inline constexpr Range kThresholdRange{1e-3, 1.0};
 inline constexpr Range kSamplesPerRayRange{1, 8};
 inline constexpr Range kSegmentsRange{0, 16};
+inline constexpr int kUsualSegments = 4;  ///< of scenes that do not say how many
 inline constexpr Range kProxyRange{0, 256};  ///< voxels along the longest edge of the copy; 0: none
 
 /// Each throws UsageError naming the setting that is out of range.

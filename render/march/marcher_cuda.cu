@@ -76,7 +76,7 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    Found made = marchHere(camera, settings, stop);
+    Found made = marchHere(camera, settings, false, stop);
     copyStart_.record(stream_);
     made.found->copyTo(made.frame, stream_, copied_);
     made.frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
@@ -85,7 +85,7 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    Found made = marchHere(camera, settings, stop);
+    Found made = marchHere(camera, settings, true, stop);
     if (made.found->sizes().hasLayers) made.frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
     if (made.found->sizes().hasSpreads) made.frame.planes.push_back({std::string(kSpreadPlane), PlaneElement::float32, {}});
     made.frame.device = std::move(made.found);
@@ -140,8 +140,8 @@ class CudaMarcher final : public Marcher {
     std::shared_ptr<CudaFrame> found;
     SampleFrame frame;  ///< all but what was found
   };
-  /// What there is then no longer changes.
-  Found marchHere(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+  /// What there is then no longer changes. `isAway`: it is to be left there, with what tells its grid.
+  Found marchHere(const Camera& camera, const MarchSettings& settings, bool isAway, const std::stop_token& stop) {
     requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     Found result{std::make_shared<CudaFrame>(frames_), emptyFrame(*marched_->volume, camera, settings, rule)};
@@ -177,7 +177,7 @@ class CudaMarcher final : public Marcher {
     raySegments_.compact(found, &counts_.data()->segments, stream_);
     compacted_.record(stream_);
     const bool hasSegments = settings.sample.segments > 0;
-    probes_.ask(found, deviceCount_.data(), hasSegments ? pixels : 0, stream_);
+    if (isAway) probes_.ask(found, deviceCount_.data(), hasSegments ? pixels : 0, stream_);
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
 
@@ -187,7 +187,7 @@ class CudaMarcher final : public Marcher {
                             .hasLayers = slots > 1 && hasLayers(found.layers, counts_->samples),
                             .hasSpreads = sendsSpread,
                             .hasNormals = hasSegments && hasNormals});
-    probes_.giveTo(*result.found);
+    if (isAway) probes_.giveTo(*result.found);
     if (settings.sample.proxy > 0) result.frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     result.frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
     result.frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);

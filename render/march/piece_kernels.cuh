@@ -70,7 +70,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
     state.color = gathered;
     isDone = isDone || gathered.transmittance.value() < job.limits.stopBelow;
   }
-  const bool hasSegments = job.segmentSlots > 0 && segments.size() > 0;
+  const bool hasSegments = job.segmentSlots > 0 && !segments.isEmpty();
   int left = -1;
   if (state.hasMet() || hasSegments || hasListed) {
     left = static_cast<int>(atomicAdd(job.leftCount, 1u));

@@ -160,6 +160,10 @@ inline constexpr float kMergedUnseenSquared = 4.0f * 4.0f;
 /// Places of a merger at most.
 inline constexpr int kMostMergerRoom = 16;
 
+/// From every such step of a lattice on, the samples of so many become one before a full merger takes them: there are fewer to look for, and the rays of a warp, which meet what they do at
+/// different steps, look in the same turns of the march. What that costs: tests/bench.
+inline constexpr int kGroupedSteps = 8;
+
 /// Segments that are kept of a ray until it has ended, where `most` are wanted of it. A device has the less room for rays the more each holds; twice as many as are
 /// wanted measured as good as four times (PSNR within 0.1 dB from every angle), so that there are two sizes.
 WARPSCOPE_HD constexpr int mergerRoomFor(int most) { return most <= 4 ? 8 : kMostMergerRoom; }
@@ -204,6 +208,7 @@ class BasicSegmentMerger {
   WARPSCOPE_HD explicit BasicSegmentMerger(int room, const Memory& memory = {}) : memory_(memory), room_(room) { clear(); }
   WARPSCOPE_HD void clear() {
     size_ = 0;
+    group_ = kNone;
     tailPlace_ = kNone;
     unseen_ = 0.0f;
     isTailRenewed_ = true;
@@ -216,6 +221,8 @@ class BasicSegmentMerger {
     size_ = other.size_;
     tailPlace_ = other.tailPlace_;
     tail_ = other.tail_;
+    grouped_ = other.grouped_;
+    group_ = other.group_;
     unseen_ = other.unseen_;
     isTailRenewed_ = other.isTailRenewed_;
     next_ = other.next_;
@@ -225,12 +232,31 @@ class BasicSegmentMerger {
   }
 
   WARPSCOPE_HD int size() const { return size_; }
+  WARPSCOPE_HD bool isEmpty() const { return size_ == 0 && group_ == kNone; }
   /// The nearest, and the one behind one; kNone if there is none.
   WARPSCOPE_HD int first() const { return size_ > 0 ? 0 : kNone; }  // nothing is merged into what lies behind it
   WARPSCOPE_HD int behind(int i) const { return i == tailPlace_ ? kNone : next_[i]; }
   WARPSCOPE_HD RaySegment operator[](int i) const { return i == tailPlace_ ? tail_ : memory_.segment(i); }
 
-  /// What comes next along the ray. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
+  /// The sample of a step, which comes next: kept for endGroup(), which is called before the next group's is added, and as soon as wantsGroupToEnd().
+  static constexpr bool kIsToldOfGroups = true;
+  WARPSCOPE_HD void addStep(const RaySegment& next, int step) {
+    if (group_ == kNone) {
+      group_ = step / kGroupedSteps;
+      grouped_ = next;
+    } else {
+      mergeInto(grouped_, next);
+    }
+  }
+  WARPSCOPE_HD bool wantsGroupToEnd() const { return size_ < room() && group_ != kNone; }
+  /// Adds the group in front of `step`, if there is one.
+  WARPSCOPE_HD void endGroup(int step) {
+    if (group_ == kNone || (size_ == room() && step / kGroupedSteps <= group_)) return;
+    add(grouped_);
+    group_ = kNone;
+  }
+
+  /// What comes next along the ray, of no group. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
   WARPSCOPE_HD void add(const RaySegment& next) {
     const bool isFull = size_ == room();
     bool isMerged = isFull && isSurelyAtMost(tail_, next, unseen_);
@@ -271,6 +297,7 @@ class BasicSegmentMerger {
 
   /// Merges until no more than `most`, at least 1, are left.
   WARPSCOPE_HD void reduceTo(int most) {
+    endGroup(kBehindAll);
     if (size_ > most) renewTail();
     while (size_ > most) mergePair(cheapestPair(), tail_);
   }
@@ -296,6 +323,7 @@ class BasicSegmentMerger {
   friend class BasicSegmentMerger;
   friend class SegmentBatchMerger;
   static constexpr uint32_t kNever = 0xffffffffu;
+  static constexpr int kBehindAll = 0x7fffffff;
 
   WARPSCOPE_HD int room() const {
     if constexpr (Memory::kRoom > 0)
@@ -364,6 +392,8 @@ class BasicSegmentMerger {
   int size_ = 0;
   int tailPlace_ = kNone;
   RaySegment tail_;     // the last one, most of what comes is merged into
+  int group_ = kNone;   // whose samples are kept, as one
+  RaySegment grouped_;
   float unseen_ = 0.0f;        // what costs no more, squared, is merged into the tail without a look at the others
   bool isTailRenewed_ = true;  // the cost of merging the last two is that of how they are
   PlaceList next_, before_;
@@ -403,10 +433,19 @@ class SegmentedColor : public GatheredColor<MarchPolicy> {
 
   WARPSCOPE_HD void add(const ClassifiedSample& sample, const glm::vec3& color, float through) {
     GatheredColor<MarchPolicy>::add(sample, color, through);
-    if (segments_ == nullptr) return;
-    const bool isStep = sample.ds > 0.0f;  // else a surface, or a value without length
-    segments_->add({isStep ? lattice_.border(sample.i) : sample.t, isStep ? lattice_.border(sample.i + 1) : sample.t, sample.alpha, through, color});
+    if (segments_ != nullptr) segments_->addStep({lattice_.border(sample.i), lattice_.border(sample.i + 1), sample.alpha, through, color}, sample.i);
   }
+  WARPSCOPE_HD void add(const PointSample& sample, const glm::vec3& color, float through) {
+    GatheredColor<MarchPolicy>::add(sample, color, through);
+    if (segments_ != nullptr) segments_->add({sample.t, sample.t, sample.alpha, through, color});
+  }
+
+  static constexpr bool kIsToldOfGroups = Merger::kIsToldOfGroups;
+  WARPSCOPE_HD static int endOfGroup(int i) { return (i / kGroupedSteps + 1) * kGroupedSteps; }
+  WARPSCOPE_HD void endGroup(int i) {
+    if (segments_ != nullptr) segments_->endGroup(i);
+  }
+  WARPSCOPE_HD bool wantsGroupToEnd() const { return segments_ != nullptr && segments_->wantsGroupToEnd(); }
 
  private:
   Merger* segments_;

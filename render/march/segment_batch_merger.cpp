@@ -191,6 +191,8 @@ auto visitCount(int room, const F& f) {
 void SegmentBatchMerger::take(const SegmentMerger& other) {
   clear();
   unseen_ = other.unseen_;
+  group_ = other.group_;
+  grouped_ = other.grouped_;
   for (int i = other.first(); i != SegmentMerger::kNone; i = other.behind(i)) {
     if (size_ > 0) put(size_ - 1, tail_);
     tail_ = other[i];
@@ -203,6 +205,8 @@ void SegmentBatchMerger::give(SegmentMerger& other) const {
   other = SegmentMerger(room_);
   other.size_ = size_;
   other.unseen_ = unseen_;
+  other.group_ = group_;
+  other.grouped_ = grouped_;
   if (size_ == 0) return;
   other.tail_ = tail_;
   other.tailPlace_ = placeOf(size_ - 1);
@@ -258,6 +262,7 @@ void SegmentBatchMerger::reduceIn(int most) {
 }
 
 void SegmentBatchMerger::reduceTo(int most) {
+  endGroup();
   if (size_ > most) visitCount(room_, [&]<int kCount>(std::integral_constant<int, kCount>) { reduceIn<kCount>(most); });
 }
 

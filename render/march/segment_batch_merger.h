@@ -19,6 +19,7 @@ class SegmentBatchMerger {
   explicit SegmentBatchMerger(int room) : room_(room) { clear(); }
   void clear() {
     size_ = 0;
+    group_ = kNone;
     unseen_ = 0.0f;
     places_ = kInOrder;
   }
@@ -34,7 +35,20 @@ class SegmentBatchMerger {
   /// Where BasicSegmentMerger would have it.
   int placeOf(int i) const { return static_cast<int>(places_ >> (4 * i) & 15); }
 
-  /// What comes next along the ray.
+  /// The sample of a step, which comes next. Ends groups by itself.
+  static constexpr bool kIsToldOfGroups = false;
+  void addStep(const RaySegment& next, int step) {
+    if (size_ < room_) {
+      endGroup();
+      return add(next);
+    }
+    const int group = step / kGroupedSteps;
+    if (group == group_) return mergeInto(grouped_, next);
+    endGroup();
+    group_ = group;
+    grouped_ = next;
+  }
+  /// What comes next along the ray, of no group.
   void add(const RaySegment& next) {
     if (size_ < room_) {
       if (size_ > 0) put(size_ - 1, tail_);
@@ -72,12 +86,18 @@ class SegmentBatchMerger {
   bool lookAtAllIn(const RaySegment& next, float cost);
   template <int kCount>
   void reduceIn(int most);
+  void endGroup() {
+    if (group_ != kNone) add(grouped_);
+    group_ = kNone;
+  }
   /// The one behind that at `first` is gone.
   void freePlaceBehind(int first);
 
   alignas(64) float rows_[kRows][kRowLanes] = {};
   int room_, size_ = 0;
   RaySegment tail_;        // the last one; its place in rows_ has anything
+  int group_ = kNone;      // whose samples are kept, as one
+  RaySegment grouped_;
   float unseen_ = 0.0f;    // what costs no more, squared, is merged into the tail without a look at the others
   uint64_t places_ = kInOrder;  // four bits each, of all that there is room for: those of segments, then those that are free
 };
