@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "render/march/segment_batch_merger.h"
@@ -153,30 +154,126 @@ TEST(SegmentBatchMerger, GroupsOfStepsAreTheSameWhoeverHasThem) {
   EXPECT_GT(grouped, 200);
 }
 
-/// What a full merger is given of a group of steps is the homogeneous stretch that they become; of another group it knows nothing.
+/// The samples of a ray, looked at so many at a time. It may leap over those that show nothing.
+template <int kSize>
+struct SampledSource {
+  static constexpr int kBatch = kSize;
+  const std::vector<float>& alphas;
+  const RayLattice& lattice;
+  bool leaps = false;
+  int first = 0;
+
+  int skip(int i) const {
+    while (leaps && i < lattice.count && !(alphaAt(i) > 0.0f)) ++i;
+    return i;
+  }
+  uint32_t classify(int i, int n) {
+    first = i;
+    uint32_t visible = 0;
+    for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
+    return visible;
+  }
+  bool classifyLast() { return classify(lattice.count - 1, 1) != 0; }
+  float alphaAt(int i) const { return alphas[static_cast<size_t>(i)]; }
+  float alpha(int k) const { return alphaAt(first + k); }
+  float unitAlpha(int k) const { return correctOpacity(alpha(k), 1.0f / lattice.dt); }
+  glm::vec3 color(int k) const {
+    const int i = first + k;
+    return alpha(k) * glm::vec3(0.5f + 0.5f * std::sin(0.1f * static_cast<float>(i)), 0.3f, 0.01f * static_cast<float>(i % 7));
+  }
+};
+
+/// A piece of a ray, by any source into any merger.
+template <class Source, class Merger>
+void marchPieceInto(const RayPath& path, int begin, int end, Source source, float stopBelow, RayColor& color, Merger& merger) {
+  SegmentedColor<StableMarch, Merger> gathered(&merger, path.lattice);
+  static_cast<RayColor&>(gathered) = color;
+  marchRay(path, begin, end, source, Unlit{}, {0.001f, stopBelow}, gathered, [](const CountingSample&) { return true; });
+  color = gathered;
+}
+
+/// Whole rays by batches, as a CPU marches them; sample by sample, as devices do, told where groups end; and cut into pieces, each by one or the other.
+TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
+  std::mt19937 random(29);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  size_t segments = 0, ended = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const RayLattice lattice = makeLattice({2.5f, 2.5f + 0.37f * (static_cast<float>(1 + round % 170) - unit(random))}, 0.37f);
+    const RayPath path{{glm::vec3(0.0f), {0.0f, 0.0f, 1.0f}}, lattice};
+    const float stopBelow = round % 3 == 0 ? 0.05f : 0.0f;
+    const int most = 1 + round % 16;
+    std::vector<float> alphas;
+    float alpha = 0.1f;
+    for (int i = 0; i < lattice.count; ++i) {
+      if (unit(random) < 0.2f) alpha = unit(random) < 0.3f ? 0.0f : std::pow(unit(random), 4.0f);
+      alphas.push_back(alpha);
+    }
+    RayColor color, colorInPieces, colorOfSteps;
+    SegmentBatchMerger found(mergerRoomFor(most));
+    marchPieceInto(path, 0, lattice.count, SampledSource<8>{alphas, lattice, true}, stopBelow, color, found);
+    SegmentMerger steps(mergerRoomFor(most)), pieces(mergerRoomFor(most));
+    marchPieceInto(path, 0, lattice.count, SampledSource<1>{alphas, lattice, round % 2 == 0}, stopBelow, colorOfSteps, steps);
+    for (int begin = 0; begin < lattice.count;) {
+      if (colorInPieces.transmittance.value() < stopBelow) break;
+      const int end = std::min(lattice.count, begin + std::uniform_int_distribution(1, 40)(random));
+      if (unit(random) < 0.5f) {
+        marchPieceInto(path, begin, end, SampledSource<1>{alphas, lattice, unit(random) < 0.5f}, stopBelow, colorInPieces, pieces);
+      } else {
+        SegmentBatchMerger here(mergerRoomFor(most));
+        here.take(pieces);
+        marchPieceInto(path, begin, end, SampledSource<8>{alphas, lattice, true}, stopBelow, colorInPieces, here);
+        here.give(pieces);
+      }
+      begin = end;
+    }
+    ended += color.transmittance.value() < stopBelow;
+    found.finish(most, lattice);
+    steps.finish(most, lattice);
+    pieces.finish(most, lattice);
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, steps, round));
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, pieces, round));
+    segments += static_cast<size_t>(found.size());
+  }
+  EXPECT_GT(segments, 10000u);
+  EXPECT_GT(ended, 200u);
+}
+
+/// Groups begin where the lattice says, not where a merger has become full.
 TEST(SegmentBatchMerger, AFullMergerTakesTheStepsOfAGroupAsOne) {
-  SegmentMerger merger(8), byHand(8);
-  // Eight that nothing is merged with for less than what follows costs: bright, of other colours, far apart.
-  int step = 0;
-  for (; step < 8; ++step) {
-    const RaySegment bright{static_cast<float>(step), static_cast<float>(step) + 1.0f, 0.5f, std::pow(0.5f, static_cast<float>(step)), step % 2 == 0 ? glm::vec3(0.5f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.5f, 0.0f)};
-    addStep(merger, bright, step);
-    byHand.add(bright);
-  }
-  ASSERT_EQ(merger.size(), 8);
+  SegmentMerger told(8), byHand(8);
+  SegmentBatchMerger found(8);
   RaySegment whole;
-  for (; step < 2 * kGroupedSteps; ++step) {
-    const RaySegment faint{static_cast<float>(step), static_cast<float>(step) + 1.0f, 0.01f, std::pow(0.5f, 8.0f), glm::vec3(0.005f)};
-    addStep(merger, faint, step);
-    step == 8 ? void(whole = faint) : mergeInto(whole, faint);
+  bool any = false;
+  const auto endByHand = [&] {
+    if (any) byHand.add(whole);
+    any = false;
+  };
+  // The first eight are kept as they are: the merger is full in the midst of a group, with step 10.
+  for (int step = 3; step < 32; ++step) {
+    const auto at = static_cast<float>(step);
+    const bool isBright = step < 11;
+    const RaySegment sample{at, at + 1.0f, isBright ? 0.5f : 0.01f, std::pow(0.5f, std::min(at - 3.0f, 8.0f)), isBright ? glm::vec3(0.5f * static_cast<float>(step % 2), 0.25f, 0.0f) : glm::vec3(0.005f)};
+    addStep(told, sample, step);
+    found.addStep(sample, step);
+    if (step == 16 || step == 24) endByHand();
+    if (isBright) {
+      byHand.add(sample);
+    } else if (std::exchange(any, true)) {
+      mergeInto(whole, sample);
+    } else {
+      whole = sample;
+    }
   }
-  byHand.add(whole);
-  merger.endGroup(step);
-  ASSERT_EQ(merger.size(), byHand.size());
-  for (int i = merger.first(), j = byHand.first(); i != SegmentMerger::kNone; i = merger.behind(i), j = byHand.behind(j)) {
-    const RaySegment own = merger[i], other = byHand[j];
+  endByHand();
+  told.endGroup(32);
+  ASSERT_EQ(told.size(), byHand.size());
+  for (int i = told.first(), j = byHand.first(); i != SegmentMerger::kNone; i = told.behind(i), j = byHand.behind(j)) {
+    const RaySegment own = told[i], other = byHand[j];
     EXPECT_EQ(std::memcmp(&own, &other, sizeof own), 0) << i;
   }
+  byHand.reduceTo(3);
+  found.reduceTo(3);
+  expectSame(found, byHand, 0);
 }
 
 /// Samples that are the same cost the same: which two are merged is said by their places.

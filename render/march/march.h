@@ -71,7 +71,11 @@ inline constexpr int kSmallBatch = 2;
 inline constexpr double kMarchedOpacityError = 4 * 0x1p-24;
 inline constexpr double kMarchedColorError = 21.001 * 0x1p-24;
 
-/// Whether what gathers is to be told where groups of samples end (SegmentedColor).
+/// Whether what gathers is to be told where groups of samples end, as a SegmentedColor may be: groups begin and end at the same steps of all lattices, so that rays beside each other, which a
+/// device marches together, end them together. It has, then,
+///   int endOfGroup(int i)      where the group of sample i ends
+///   void endGroup(int i)       ends the one in front of sample i, if there is one
+///   bool wantsGroupToEnd()     whether the one that there is ends before another sample is added
 template <class Gathered>
 inline constexpr bool kIsToldOfGroups = requires { requires Gathered::kIsToldOfGroups; };
 template <class Gathered>
@@ -94,10 +98,9 @@ WARPSCOPE_HD inline bool wantsGroupToEnd(const Gathered& ray) {
 ///   glm::vec3 color(int k)         its colour times that opacity
 ///   float t(int k)                 where it lies; for an arithmetic that does not place samples by their index alone
 /// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece
-/// (ray_state.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
+/// (ray_state.h), or a SegmentedColor (ray_segments.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
 /// near to far; if it returns false, the ray ends there, before that sample's light is added. Ends where transmittance
-/// falls below the limits'; `ray` must not come with less. What gathers group by group says so (kIsToldOfGroups): groups begin and end at the same steps of all lattices, so that rays beside
-/// each other, which a device marches together, end them together.
+/// falls below the limits'; `ray` must not come with less.
 template <class Source, class Light, class Gathered, class Sink>
 WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Source& source, const Light& light,
                                   const RayLimits& limits, Gathered& ray, Sink&& sink) {
@@ -129,7 +132,8 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
   const int last = lattice.count - 1;  // may be a part of a step: dealt with for itself, so that the others need not ask
   const int wholeEnd = end <= last ? end : last;
   int i = source.skip(begin);
-  // Whether there is more. One place, since what a group becomes is much code.
+  static_assert(!kIsToldOfGroups<Gathered> || Source::kBatch == 1);  // it is asked between samples whether its group is to end
+  // Whether there is more. endGroup() stands here alone: it is inlined, and large.
   const auto goesOn = [&] {
     if constexpr (kIsToldOfGroups<Gathered>) ray.endGroup(i < end ? i : end);
     return i < wholeEnd;

@@ -231,6 +231,7 @@ class BasicSegmentMerger {
     for (int i = first(); i != kNone && i != tailPlace_; i = behind(i)) memory_.setSegment(i, other.memory_.segment(i));
   }
 
+  /// Without the group that has not ended, here and below: after finish() there is none.
   WARPSCOPE_HD int size() const { return size_; }
   WARPSCOPE_HD bool isEmpty() const { return size_ == 0 && group_ == kNone; }
   /// The nearest, and the one behind one; kNone if there is none.
@@ -256,7 +257,7 @@ class BasicSegmentMerger {
     group_ = kNone;
   }
 
-  /// What comes next along the ray, of no group. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
+  /// What comes next along the ray, of no group, where none waits for its end. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
   WARPSCOPE_HD void add(const RaySegment& next) {
     const bool isFull = size_ == room();
     bool isMerged = isFull && isSurelyAtMost(tail_, next, unseen_);

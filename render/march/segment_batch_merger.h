@@ -28,6 +28,7 @@ class SegmentBatchMerger {
   void take(const SegmentMerger& other);
   void give(SegmentMerger& other) const;
 
+  /// Without the group that has not ended, here and below.
   int size() const { return size_; }
   int first() const { return behind(-1); }
   int behind(int i) const { return i + 1 < size_ ? i + 1 : kNone; }
@@ -38,17 +39,15 @@ class SegmentBatchMerger {
   /// The sample of a step, which comes next. Ends groups by itself.
   static constexpr bool kIsToldOfGroups = false;
   void addStep(const RaySegment& next, int step) {
-    if (size_ < room_) {
-      endGroup();
-      return add(next);
-    }
+    if (size_ < room_) endGroup();  // of a ray that was handed on so
+    if (size_ < room_) return add(next);
     const int group = step / kGroupedSteps;
     if (group == group_) return mergeInto(grouped_, next);
     endGroup();
     group_ = group;
     grouped_ = next;
   }
-  /// What comes next along the ray, of no group.
+  /// What comes next along the ray, of no group, where none waits for its end.
   void add(const RaySegment& next) {
     if (size_ < room_) {
       if (size_ > 0) put(size_ - 1, tail_);

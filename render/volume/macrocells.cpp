@@ -81,7 +81,8 @@ class ColumnExtremes {
   void take(const Voxel* line) {
     Voxel* const lowest = lowest_.data();
     Voxel* const highest = highest_.data();
-    for (size_t x = 0; x < lowest_.size(); ++x) {
+    const size_t length = lowest_.size();  // bytes may be anything, this among it
+    for (size_t x = 0; x < length; ++x) {
       const bool counts = isFiniteVoxel(line[x]);
       lowest[x] = counts && line[x] < lowest[x] ? line[x] : lowest[x];
       highest[x] = counts && highest[x] < line[x] ? line[x] : highest[x];
