@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "made_up_source.h"
 #include "render/march/segment_batch_merger.h"
 
 namespace warpscope {
@@ -154,32 +155,18 @@ TEST(SegmentBatchMerger, GroupsOfStepsAreTheSameWhoeverHasThem) {
   EXPECT_GT(grouped, 200);
 }
 
-/// The samples of a ray, looked at so many at a time. It may leap over those that show nothing.
+/// Samples of many colours. It may leap over those that show nothing.
 template <int kSize>
-struct SampledSource {
-  static constexpr int kBatch = kSize;
-  const std::vector<float>& alphas;
-  const RayLattice& lattice;
+struct ColorfulSource : MadeUpSource<kSize> {
   bool leaps = false;
-  int first = 0;
 
   int skip(int i) const {
-    while (leaps && i < lattice.count && !(alphaAt(i) > 0.0f)) ++i;
+    while (leaps && i < this->lattice.count && !(this->alphaAt(i) > 0.0f)) ++i;
     return i;
   }
-  uint32_t classify(int i, int n) {
-    first = i;
-    uint32_t visible = 0;
-    for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
-    return visible;
-  }
-  bool classifyLast() { return classify(lattice.count - 1, 1) != 0; }
-  float alphaAt(int i) const { return alphas[static_cast<size_t>(i)]; }
-  float alpha(int k) const { return alphaAt(first + k); }
-  float unitAlpha(int k) const { return correctOpacity(alpha(k), 1.0f / lattice.dt); }
   glm::vec3 color(int k) const {
-    const int i = first + k;
-    return alpha(k) * glm::vec3(0.5f + 0.5f * std::sin(0.1f * static_cast<float>(i)), 0.3f, 0.01f * static_cast<float>(i % 7));
+    const int i = this->first + k;
+    return this->alpha(k) * glm::vec3(0.5f + 0.5f * std::sin(0.1f * static_cast<float>(i)), 0.3f, 0.01f * static_cast<float>(i % 7));
   }
 };
 
@@ -198,8 +185,8 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   size_t segments = 0, ended = 0;
   for (int round = 0; round < 2000; ++round) {
-    const RayLattice lattice = makeLattice({2.5f, 2.5f + 0.37f * (static_cast<float>(1 + round % 170) - unit(random))}, 0.37f);
-    const RayPath path{{glm::vec3(0.0f), {0.0f, 0.0f, 1.0f}}, lattice};
+    const RayLattice lattice = latticeOf(2.5f, 0.37f * (static_cast<float>(1 + round % 170) - unit(random)), 0.37f);
+    const RayPath path = alongZ(lattice);
     const float stopBelow = round % 3 == 0 ? 0.05f : 0.0f;
     const int most = 1 + round % 16;
     std::vector<float> alphas;
@@ -208,20 +195,21 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
       if (unit(random) < 0.2f) alpha = unit(random) < 0.3f ? 0.0f : std::pow(unit(random), 4.0f);
       alphas.push_back(alpha);
     }
+    const auto alphaAt = [&](int i) { return alphas[static_cast<size_t>(i)]; };
     RayColor color, colorInPieces, colorOfSteps;
     SegmentBatchMerger found(mergerRoomFor(most));
-    marchPieceInto(path, 0, lattice.count, SampledSource<8>{alphas, lattice, true}, stopBelow, color, found);
+    marchPieceInto(path, 0, lattice.count, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, color, found);
     SegmentMerger steps(mergerRoomFor(most)), pieces(mergerRoomFor(most));
-    marchPieceInto(path, 0, lattice.count, SampledSource<1>{alphas, lattice, round % 2 == 0}, stopBelow, colorOfSteps, steps);
+    marchPieceInto(path, 0, lattice.count, ColorfulSource<1>{{alphaAt, lattice}, round % 2 == 0}, stopBelow, colorOfSteps, steps);
     for (int begin = 0; begin < lattice.count;) {
       if (colorInPieces.transmittance.value() < stopBelow) break;
       const int end = std::min(lattice.count, begin + std::uniform_int_distribution(1, 40)(random));
       if (unit(random) < 0.5f) {
-        marchPieceInto(path, begin, end, SampledSource<1>{alphas, lattice, unit(random) < 0.5f}, stopBelow, colorInPieces, pieces);
+        marchPieceInto(path, begin, end, ColorfulSource<1>{{alphaAt, lattice}, unit(random) < 0.5f}, stopBelow, colorInPieces, pieces);
       } else {
         SegmentBatchMerger here(mergerRoomFor(most));
         here.take(pieces);
-        marchPieceInto(path, begin, end, SampledSource<8>{alphas, lattice, true}, stopBelow, colorInPieces, here);
+        marchPieceInto(path, begin, end, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, colorInPieces, here);
         here.give(pieces);
       }
       begin = end;
