@@ -342,7 +342,7 @@ void Server::stop() {
 
 RequestQueue& Server::requests() { return state_->queue; }
 
-void Server::answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share, std::span<const ProcessFields> processes) {
+void Server::answer(ClientId client, const FrameHead& head, HeldBytes payload, ByteBudget::SharePtr share, std::span<const ProcessFields> processes) {
   Outgoing outgoing{.frame = head, .bytes = std::move(payload), .readyAt = io_->clock().now(), .share = std::move(share)};
   if (!processes.empty()) outgoing.processes = processesMessage(processes);
   state_->answer(client, std::move(outgoing));

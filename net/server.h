@@ -10,6 +10,7 @@
 #include "net/address.h"
 #include "net/byte_budget.h"
 #include "net/certificate.h"
+#include "net/held_bytes.h"
 #include "net/io_thread.h"
 #include "net/login_limits.h"
 #include "net/places.h"
@@ -52,7 +53,7 @@ class Server {
   /// Safe on any thread; nothing happens if the client is gone. `head.stages.sendMs` is filled in here. A frame larger than the client takes
   /// becomes a failure that says so. `share` is given back once the payload has been sent or dropped; may be null. `processes` go first,
   /// if there are any, to clients that can hear of them.
-  void answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share = nullptr, std::span<const ProcessFields> processes = {});
+  void answer(ClientId client, const FrameHead& head, HeldBytes payload, ByteBudget::SharePtr share = nullptr, std::span<const ProcessFields> processes = {});
   void answer(ClientId client, Failure failure);
 
   /// Memory is short: parts with the client for which most waits, of those that have let an answer wait for kLongestWait; nothing if there is

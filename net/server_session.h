@@ -9,6 +9,7 @@
 
 #include "net/byte_budget.h"
 #include "net/channel.h"
+#include "net/held_bytes.h"
 #include "net/reading.h"
 #include "net/request_queue.h"
 
@@ -17,7 +18,7 @@ namespace warpscope::net {
 /// What is on its way to a client.
 struct Outgoing {
   std::optional<FrameHead> frame;  ///< if it is one, whose head is written when its turn comes
-  Bytes bytes;                     ///< the payload, or the whole message
+  HeldBytes bytes;                 ///< the payload, or the whole message
   Bytes processes{};               ///< of a frame: a message that goes first, for clients that can hear it; may be empty
   TimePoint readyAt;
   ByteBudget::SharePtr share{};    ///< of the memory for it; may be null

@@ -56,7 +56,7 @@ TEST(AnsModel, FrequenciesAddUpAndEverySymbolThatOccursHasOne) {
     const AnsModel model = AnsModel::ofCounts(counts);
     ASSERT_EQ(sumOf(model), kAnsScale);
     for (uint32_t s = 0; s < kAnsSymbols; ++s) ASSERT_EQ(model.share(s).frequency > 0, counts[s] > 0) << s;
-    std::vector<std::byte> bytes;
+    ByteVector bytes;
     model.append(bytes);
     ASSERT_LE(bytes.size(), AnsModel::kMostBytes);
     ByteReader reader(bytes);
@@ -81,7 +81,7 @@ TEST(AnsModel, OfNothingIsEmptyAndOfOneSymbolConstant) {
 
 TEST(AnsModel, WhatDoesNotAddUpIsNone) {
   for (const std::vector<int>& numbers : {std::vector<int>{0, 127}, {1, 100, 100}, {0, 0x90, 1}, {0, 0xff, 0xff}, {3, 1, 1}, {}, {255}}) {
-    std::vector<std::byte> bytes;
+    ByteVector bytes;
     for (const int number : numbers) bytes.push_back(static_cast<std::byte>(number));
     ByteReader reader(bytes);
     AnsModel model;
@@ -98,7 +98,7 @@ RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
   for (uint32_t& number : numbers) number = bits == 0 ? 900u : static_cast<uint32_t>(uint64_t{random()} & ((uint64_t{1} << random() % (bits + 1)) - 1));
   const AnsModel models[] = {modelOf(first), modelOfNumbers(numbers), modelOf(second)};
   AnsWriter writer;
-  std::vector<std::byte> stream;
+  ByteVector stream;
   for (int again = 0; again < 2; ++again) {  // a writer is used for many streams
     stream.clear();
     writer.begin();
@@ -129,7 +129,7 @@ TEST(AnsLanes, TakeAboutTheBitsThatTheirModelSays) {
   AnsWriter writer;
   writer.begin();
   writer.putBytes(AnsWriterModel(model), symbols);
-  std::vector<std::byte> stream;
+  ByteVector stream;
   writer.finish(stream);
   EXPECT_NEAR(static_cast<double>(stream.size() - kAnsStateBytes), bits / 8.0, 0.002 * bits / 8.0 + 2.0 * kAnsLanes);
 }
@@ -141,7 +141,7 @@ TEST(AnsLanes, StreamsCutShortOrChangedAreNotSound) {
   AnsWriter writer;
   writer.begin();
   writer.putBytes(AnsWriterModel(model), symbols);
-  std::vector<std::byte> stream;
+  ByteVector stream;
   writer.finish(stream);
   std::vector<uint8_t> back(symbols.size());
   for (size_t length = 0; length < stream.size(); ++length) {
@@ -151,7 +151,7 @@ TEST(AnsLanes, StreamsCutShortOrChangedAreNotSound) {
   }
   size_t unnoticed = 0;
   for (size_t i = 0; i < stream.size(); ++i) {
-    std::vector<std::byte> changed = stream;
+    ByteVector changed = stream;
     changed[i] ^= std::byte{0x41};
     AnsReader reader(changed);
     reader.takeBytes(AnsReaderModel(model), back);
@@ -182,8 +182,8 @@ class PlainWriter {
         for (size_t lane = own.size(); lane-- > 0;) put(model, lane, tokenOf(own[lane]));
     }
   }
-  std::vector<std::byte> finish() const {
-    std::vector<std::byte> out;
+  ByteVector finish() const {
+    ByteVector out;
     if (words_.empty() && std::ranges::all_of(states_, [](uint32_t state) { return state == kAnsLow; })) return out;
     for (const uint32_t state : states_) appendLittle(out, state);
     for (size_t i = words_.size(); i-- > 0;) appendLittle(out, words_[i]);
@@ -265,7 +265,7 @@ RC_GTEST_PROP(AnsLanes, AreWhatOneStateAfterTheOtherMakes, ()) {
   writer.begin();
   writer.putNumbers(AnsWriterModel(ofNumbers), numbers), plain.putNumbers(ofNumbers, numbers);
   writer.putBytes(AnsWriterModel(ofSymbols), symbols), plain.putBytes(ofSymbols, symbols);
-  std::vector<std::byte> stream;
+  ByteVector stream;
   writer.finish(stream);
   RC_ASSERT(stream == plain.finish());
   for (int damage = 0; damage < 4; ++damage) {

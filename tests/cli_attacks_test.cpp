@@ -73,7 +73,7 @@ TEST_F(CliAttacks, ABusyServerIsSaidOnce) {
     for (uint16_t i = 0; i < 50; ++i) to.send(net::busyMessage(3));
     std::this_thread::sleep_for(milliseconds(50));
     net::FrameHead head = net::echoOf(request);
-    net::Bytes payload;
+    ByteVector payload;
     const Camera camera = cameraFrom(request.camera);
     const MarchSettings settings = marchFrom(request.settings);
     if (request.wanted == net::Wanted::samples) {

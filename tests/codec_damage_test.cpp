@@ -28,7 +28,7 @@ TEST_P(CodecDamage, PayloadsCutShortAreRefused) {
   const SampleFrame& frame = frame_;
   ASSERT_GT(frame.size(), 100u);
   for (const CodecSettings& settings : kEveryCoding) {
-    const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+    const ByteVector payload = FrameCodec().encode(frame, settings);
     for (size_t length = 0; length < payload.size(); ++length) {
       const std::span<const std::byte> part(payload.data(), length);
       SampleFrame decoded = headOf(frame);
@@ -43,7 +43,7 @@ TEST_P(CodecDamage, ChangedBytesAreFoundOut) {
   const SampleFrame& frame = frame_;
   ASSERT_GT(frame.size(), 100u);
   for (const CodecSettings& settings : kEveryCoding) {
-    std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+    ByteVector payload = FrameCodec().encode(frame, settings);
     for (size_t i = 0; i < payload.size(); ++i)
       for (const int flip : {1, 0x10, 0x80, 0xff}) {
         payload[i] ^= static_cast<std::byte>(flip);
@@ -59,7 +59,7 @@ TEST(Codec, GarbageIsRefused) {
   std::mt19937 random(11);
   const SampleFrame frame = garbageFrame(64, 64, 500, 1);
   for (int round = 0; round < 3000; ++round) {
-    std::vector<std::byte> payload(random() % 400);
+    ByteVector payload(random() % 400);
     for (std::byte& byte : payload) byte = static_cast<std::byte>(random() % (round % 2 ? 256 : 4));
     if (!payload.empty()) payload[0] = static_cast<std::byte>(random() % 3);
     ASSERT_TRUE(survives(payload, frame));
@@ -73,7 +73,7 @@ TEST(Codec, MoreSamplesInAPixelThanARayMayHaveAreRefused) {
     std::vector<uint32_t> pixels(3, 20);
     SampleFrame frame = withLayers(framedPixels(8, 8, pixels), pixels);
     frame.settings.sample.samplesPerRay = 3;
-    const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+    const ByteVector payload = FrameCodec().encode(frame, settings);
     SampleFrame decoded = headOf(frame);
     EXPECT_EQ(FrameCodec().decode(payload, frame.size(), decoded), std::nullopt);
     for (const int fewer : {2, 1, 0, -1}) {
@@ -90,7 +90,7 @@ TEST(Codec, MoreSamplesInAPixelThanARayMayHaveAreRefused) {
     SampleFrame frame = framedPixels(8, 8, pixels);
     frame.settings.sample.samplesPerRay = 8;
     if (hasLayers) frame.planes.push_back(layerPlane({}));
-    std::vector<std::byte> band;
+    ByteVector band;
     appendLittle(band, static_cast<uint32_t>(pixels.size()));
     appendLittle(band, uint64_t{0});
     std::vector<uint8_t> mask(8, 0);
@@ -98,7 +98,7 @@ TEST(Codec, MoreSamplesInAPixelThanARayMayHaveAreRefused) {
     appendSection(band, mask);
     appendLittle(band, uint8_t{1});
     appendSection(band, std::vector<uint8_t>{255});
-    std::vector<std::byte> payload;
+    ByteVector payload;
     appendLittle(payload, static_cast<uint8_t>(PayloadFormat::packed));
     appendLittle(payload, uint64_t{0});
     if (hasLayers) appendLittle(payload, uint32_t{0});
@@ -117,7 +117,7 @@ TEST(Codec, MoreSamplesInAPixelThanARayMayHaveAreRefused) {
 TEST(Codec, SizesBeyondTheLimitsAreRefused) {
   const SampleFrame frame = marched(shells(), {}, 24, 20);
   ASSERT_GT(frame.size(), 100u);
-  const std::vector<std::byte> payload = FrameCodec().encode(frame, kLossless);
+  const ByteVector payload = FrameCodec().encode(frame, kLossless);
   SampleFrame decoded = headOf(frame);
   EXPECT_EQ(FrameCodec().decode(payload, frame.size(), decoded, {frame.size(), payload.size()}), std::nullopt);
   EXPECT_NE(FrameCodec().decode(payload, frame.size(), decoded, {frame.size() - 1, payload.size()}), std::nullopt);
@@ -149,7 +149,7 @@ TEST(Codec, BombsAreRefusedBeforeMemoryIsTaken) {
   for (const auto& format : kPayloadFormats)
     for (const uint8_t placement : {0, 1, 2}) {
       // Few bytes that say there are very many samples, each band as many as it may have.
-      std::vector<std::byte> payload;
+      ByteVector payload;
       appendLittle(payload, static_cast<uint8_t>(format.value));
       appendLittle(payload, uint64_t{0});
       appendLittle(payload, placement);
@@ -173,11 +173,11 @@ TEST(Codec, LengthsOfPlanesBeyondThePayloadAreRefusedBeforeMemoryIsTaken) {
       for (const KnownPlane& known : kKnownPlanes)
         frame.planes.push_back(
             {std::string(known.name), known.element, TransferVector<std::byte>(TransferAllocator<std::byte>(&memory))});
-      std::vector<std::byte> payload;
+      ByteVector payload;
       appendLittle(payload, static_cast<uint8_t>(format.value));
       appendLittle(payload, uint64_t{0});
       appendLittle(payload, length);
-      payload.resize(payload.size() + 500);
+      payload.resize(payload.size() + 500, std::byte{0});
       EXPECT_NE(FrameCodec().decode(sealed(payload), size_t{1} << 25, frame), std::nullopt) << format.name << " " << length;
       EXPECT_EQ(memory.largest, 0u) << format.name << " " << length;
     }

@@ -11,6 +11,7 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/codec.h"
+#include "render/codec/payload_hash.h"
 #include "render/volume/procedural.h"
 #include "tests/frame_samples.h"
 #include "tests/layered_frames.h"
@@ -38,7 +39,7 @@ inline SampleFrame headOf(const SampleFrame& frame) {
 /// Empty if what comes back is what went in: samples, planes and alpha always, colours where the settings promise it.
 inline std::string roundTrip(const SampleFrame& frame, const CodecSettings& settings) {
   FrameCodec codec;
-  const std::vector<std::byte> payload = codec.encode(frame, settings);
+  const ByteVector payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);
   if (const DecodeError error = FrameCodec().decode(payload, frame.size(), decoded)) return *error;
   if (decoded.samples != frame.samples) return "other samples";
@@ -158,7 +159,7 @@ inline bool survives(std::span<const std::byte> payload, const SampleFrame& fram
                : decoded.samples.size() == frame.size() && decoded.colors.size() == frame.size();
 }
 
-inline std::vector<std::byte> sealed(std::vector<std::byte> payload) {
+inline ByteVector sealed(ByteVector payload) {
   sealPayload(payload);
   return payload;
 }

@@ -50,7 +50,7 @@ TEST(Codec, LayersTakeNoBytesOfTheirOwn) {
   for (uint32_t pixel = 0; pixel < 64 * 64; ++pixel)
     for (uint32_t k = 0; k < pixel % 5; ++k) pixels.push_back(pixel);
   const SampleFrame layered = withLayers(framedPixels(64, 64, pixels), pixels);
-  const std::vector<std::byte> payload = FrameCodec().encode(layered, kLossless);
+  const ByteVector payload = FrameCodec().encode(layered, kLossless);
   EXPECT_EQ(ByteReader(std::span(payload).subspan(9)).take<uint32_t>(), 0u);
   EXPECT_EQ(roundTrip(layered, kLossless), "");
 }

@@ -93,7 +93,7 @@ TEST(Codec, PlanesThatAreNotWhatTheySayAreRefused) {
 TEST(Codec, LayersThatDoNotCountUpAreRefused) {
   const std::vector<uint32_t> pixels{1, 1, 1, 5};
   const SampleFrame frame = withLayers(framedPixels(8, 8, pixels), pixels);
-  std::vector<std::byte> payload = FrameCodec().encode(frame, kRaw);
+  ByteVector payload = FrameCodec().encode(frame, kRaw);
   SampleFrame decoded = headOf(frame);
   ASSERT_EQ(FrameCodec().decode(payload, frame.size(), decoded), std::nullopt);
   payload.at(9 + 4 + 1) = std::byte{2};

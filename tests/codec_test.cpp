@@ -105,8 +105,8 @@ TEST(Codec, AFullLargePlaneComesBack) {
 }
 
 /// What a raw payload of this frame would be, whatever the frame.
-std::vector<std::byte> rawPayload(const SampleFrame& frame) {
-  std::vector<std::byte> payload;
+ByteVector rawPayload(const SampleFrame& frame) {
+  ByteVector payload;
   appendLittle(payload, static_cast<uint8_t>(PayloadFormat::raw));
   appendLittle(payload, uint64_t{0});
   for (const SamplePlane& plane : frame.planes) {
@@ -215,7 +215,7 @@ TEST(Codec, JpegKeepsColoursNearly) {
   const SampleFrame frame = marched(shells(), {}, 300, 300);
   double last = 0.0;
   for (const auto& [quality, leastDb] : {std::pair(50, 28.0), std::pair(90, 34.0), std::pair(100, 40.0)}) {
-    const std::vector<std::byte> payload =
+    const ByteVector payload =
         FrameCodec().encode(frame, {PayloadFormat::packed, ColorCoding::jpeg, quality});
     SampleFrame decoded = headOf(frame);
     ASSERT_EQ(FrameCodec().decode(payload, frame.size(), decoded), std::nullopt);
@@ -236,7 +236,7 @@ TEST(Codec, JpegKeepsColoursNearly) {
 TEST(Codec, BytesDoNotDependOnTheNumberOfThreads) {
   const SampleFrame frame = marched(shells(), {}, 700, 700);
   for (const CodecSettings& settings : kEveryCoding) {
-    const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+    const ByteVector payload = FrameCodec().encode(frame, settings);
     for (const size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       EXPECT_EQ(FrameCodec().encode(frame, settings), payload) << threads;
@@ -253,7 +253,7 @@ TEST(Codec, OneCodecServesFramesOfAllKinds) {
           framedPixels(5, 5, {1, 2, 7}), withLayers(framedPixels(5, 5, {1, 1, 7}), {1, 1, 7})})
       for (const CodecSettings& settings : {kRaw, kLossless, kTiled}) {
         SampleFrame decoded = headOf(frame);
-        const std::vector<std::byte> payload = codec.encode(frame, settings);
+        const ByteVector payload = codec.encode(frame, settings);
         EXPECT_EQ(payload, FrameCodec().encode(frame, settings));
         EXPECT_EQ(codec.decode(payload, frame.size(), decoded), std::nullopt);
         EXPECT_TRUE(sameFrame(decoded, frame));
@@ -264,7 +264,7 @@ TEST(Codec, ReceiversWithOtherHeadsFindOut) {
   MarchSettings settings;
   settings.sample.radiusPolicy = RadiusPolicy::pixel;
   const SampleFrame frame = marched(shells(), settings);
-  const std::vector<std::byte> payload = FrameCodec().encode(frame, kLossless);
+  const ByteVector payload = FrameCodec().encode(frame, kLossless);
   const auto errorFor = [&](const auto& change, size_t count) {
     SampleFrame decoded = headOf(frame);
     change(decoded);

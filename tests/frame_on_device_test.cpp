@@ -41,7 +41,7 @@ TEST(FrameOnDevice, IsCodedAsOneThatIsHere) {
   for (const SampleFrame& frame : framesOfAllKinds())
     for (const CodecSettings& settings : kEveryCoding) {
       FrameCodec codec;
-      const std::vector<std::byte> expected = codec.encode(frame, settings);
+      const ByteVector expected = codec.encode(frame, settings);
       const FrameBytes bytes = codec.bytes();
       EXPECT_TRUE(codec.encode(leftOnDevice(frame), settings) == expected) << nameOf(settings.format);
       EXPECT_EQ(codec.bytes(), bytes);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/codec/payload_hash.h"
 #include "render/codec/tiled/ans_model.h"
 #include "tests/codec_frames.h"
 
@@ -15,7 +16,7 @@ struct HostilePayload {
   SampleFrame head;
   size_t count = 0;  ///< samples that it says it has
   std::string sentence;  ///< that refuses it, before its models are looked for
-  std::vector<std::byte> payload;
+  ByteVector payload;
 };
 
 /// Sheets without layers, whose only tile has one all the same: there are no models to read it with.
@@ -23,7 +24,7 @@ inline std::vector<HostilePayload> tilesWithoutModels() {
   std::array<uint32_t, kAnsSymbols> ones{}, zeros{};
   ones[1] = 1;
   zeros[0] = 1;
-  const auto appendSheet = [&](std::vector<std::byte>& out, bool hasFurther) {
+  const auto appendSheet = [&](ByteVector& out, bool hasFurther) {
     appendLittle(out, uint64_t{0});  // hash
     appendLittle(out, uint8_t{0});   // layers
     AnsModel::ofCounts(ones).append(out);  // the pixel has something
@@ -46,7 +47,7 @@ inline std::vector<HostilePayload> tilesWithoutModels() {
   }
   HostilePayload& segments = all.emplace_back(HostilePayload{"segments", headOf(frame), 0, "what rays have of segments is damaged", {}});
   segments.head.settings.sample.segments = 4;
-  std::vector<std::byte> part{static_cast<std::byte>(Placement::depth), std::byte{0}, std::byte{0}};  // no loss, no normals
+  ByteVector part{static_cast<std::byte>(Placement::depth), std::byte{0}, std::byte{0}};  // no loss, no normals
   appendSheet(part, false);
   appendLittle(segments.payload, static_cast<uint8_t>(PayloadFormat::tiled));
   appendLittle(segments.payload, uint64_t{0});

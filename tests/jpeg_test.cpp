@@ -14,7 +14,7 @@ TEST(FramePicture, IsTheFramesOwnPicture) {
   const SampleFrame frame = marched(shells(), {}, 200, 150);
   const glm::vec3 background(0.1f, 0.2f, 0.3f);
   Image<Rgba8> picture;
-  const std::vector<std::byte> jpeg = encodeFramePicture(frame, background, 95);
+  const ByteVector jpeg = encodeFramePicture(frame, background, 95);
   ASSERT_EQ(decodeFramePicture(jpeg, frame.camera, picture), std::nullopt);
   EXPECT_LT(encodeFramePicture(frame, background, 50).size(), jpeg.size());
   const Image<uint32_t> seen = ownPicture(frame);
@@ -37,13 +37,13 @@ TEST(FramePicture, IsTheFramesOwnPicture) {
 
 TEST(FramePicture, DamagedOnesAreRefusedAndDoNotSpoilTheNext) {
   const SampleFrame frame = marched(shells(), {}, 40, 32);
-  std::vector<std::byte> jpeg = encodeFramePicture(frame, glm::vec3(0.0f), 80);
+  ByteVector jpeg = encodeFramePicture(frame, glm::vec3(0.0f), 80);
   Image<Rgba8> picture;
   for (size_t length = 0; length + 2 < jpeg.size(); ++length) {  // without its end marker alone a picture is whole
     EXPECT_NE(decodeFramePicture(std::span(jpeg).first(length), frame.camera, picture), std::nullopt) << length;
     ASSERT_EQ(decodeFramePicture(jpeg, frame.camera, picture), std::nullopt) << length;
   }
-  const std::vector<std::byte> whole = jpeg;
+  const ByteVector whole = jpeg;
   for (size_t i = 0; i < jpeg.size(); ++i) {
     jpeg[i] ^= std::byte{0xff};
     decodeFramePicture(jpeg, frame.camera, picture);

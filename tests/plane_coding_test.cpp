@@ -30,7 +30,7 @@ std::vector<uint8_t> someLayers(size_t count) {
 
 /// Empty if what comes back is what went in.
 std::string roundTrip(const SamplePlane& plane, std::span<const uint8_t> layers) {
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   appendPlane(bytes, plane, layers);
   SamplePlane again{plane.name, plane.element, {}};
   if (const DecodeError error = takePlane(bytes, plane.values.size() / bytesOf(plane.element), layers, again)) return *error;
@@ -54,7 +54,7 @@ TEST(PlaneCoding, WhatChangesSlowlyAlongALayerTakesFewBytes) {
   SamplePlane plane{std::string(kExtentPlane), PlaneElement::float32, {}};
   plane.values.resize(extents.size() * sizeof(float));
   std::memcpy(plane.values.data(), extents.data(), plane.values.size());
-  std::vector<std::byte> along, across;
+  ByteVector along, across;
   appendPlane(along, plane, layers);
   appendPlane(across, plane, {});
   EXPECT_EQ(roundTrip(plane, layers), "");
@@ -64,7 +64,7 @@ TEST(PlaneCoding, WhatChangesSlowlyAlongALayerTakesFewBytes) {
 
 TEST(PlaneCoding, CutShortAtAnyByteItIsRefused) {
   const SamplePlane plane = randomPlane(PlaneElement::uint16, 50, 3);
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   appendPlane(bytes, plane, {});
   SamplePlane again{plane.name, plane.element, {}};
   for (size_t length = 0; length < bytes.size(); ++length)
@@ -75,7 +75,7 @@ TEST(PlaneCoding, CutShortAtAnyByteItIsRefused) {
 
 TEST(PlaneCoding, OtherNumbersOfValuesAreRefused) {
   const SamplePlane plane = randomPlane(PlaneElement::float32, 500, 4);
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   appendPlane(bytes, plane, {});
   for (const size_t count : {size_t{0}, size_t{1}, size_t{499}, size_t{501}, kPlanePiece + 1}) {
     SamplePlane again{plane.name, plane.element, {}};
@@ -86,7 +86,7 @@ TEST(PlaneCoding, OtherNumbersOfValuesAreRefused) {
 TEST(PlaneCoding, NothingIsAllocatedForPiecesThatAreNotThere) {
   SamplePlane plane{"some", PlaneElement::float32, {}};
   const size_t claimed = size_t{1} << 26;
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   EXPECT_NE(takePlane(bytes, claimed, {}, plane), std::nullopt);
   EXPECT_EQ(plane.values.capacity(), 0u);
   // A list of all pieces, whose lengths lead beyond the end.

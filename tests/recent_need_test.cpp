@@ -44,17 +44,17 @@ size_t heldBytes() {
 TEST(RecentNeed, OneLargeFrameDoesNotInflateADecoderForGood) {
   constexpr size_t kMiB = size_t{1} << 20;
   FrameCodec encoder, decoder;
-  const auto decode = [&](const SampleFrame& frame, const std::vector<std::byte>& payload) {
+  const auto decode = [&](const SampleFrame& frame, const ByteVector& payload) {
     SampleFrame decoded = headOf(frame);
     ASSERT_EQ(decoder.decode(payload, frame.size(), decoded), std::nullopt);
   };
   const SampleFrame small = garbageFrame(256, 256, 256 * 256, 1);
-  const std::vector<std::byte> smallPayload = encoder.encode(small, kLossless);
+  const ByteVector smallPayload = encoder.encode(small, kLossless);
   for (size_t i = 0; i < 20; ++i) decode(small, smallPayload);
   const size_t before = heldBytes();
   {
     const SampleFrame large = garbageFrame(4096, 2048, 4096 * 2048, 2);
-    const std::vector<std::byte> payload = FrameCodec().encode(large, kLossless);
+    const ByteVector payload = FrameCodec().encode(large, kLossless);
     decode(large, payload);
   }
   const size_t after = heldBytes();

@@ -11,6 +11,7 @@
 #include "marcher_cases.h"
 #include "render/base/error.h"
 #include "render/codec/codec.h"
+#include "render/codec/payload_hash.h"
 #include "render/codec/proxy_coding.h"
 #include "render/effects/relight.h"
 #include "render/effects/shading_setup.h"
@@ -134,7 +135,7 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
           CodecSettings coding;
           coding.format = format;
           coding.color = ColorCoding::lossless;
-          const std::vector<std::byte> payload = codec.encode(frame, coding);
+          const ByteVector payload = codec.encode(frame, coding);
           EXPECT_LE(payload.size(), mostPayloadBytes(frame, frame.size(), coding));
           // What each part takes is known from the encoding, and from the decoding: as much as its absence saves.
           const FrameBytes bytes = codec.bytes();
@@ -174,7 +175,7 @@ TEST(SegmentCodec, TakesFewBytesForWhatLiesOnTheLattice) {
 TEST(SegmentCodec, JpegKeepsDepthsAndOpacities) {
   const SampleFrame frame = blobMarcher()->march(kServer, segmented(3));
   FrameCodec codec;
-  const std::vector<std::byte> payload = codec.encode(frame, {});
+  const ByteVector payload = codec.encode(frame, {});
   SampleFrame back = headOf(frame);
   ASSERT_EQ(codec.decode(payload, frame.size(), back), std::nullopt);
   EXPECT_EQ(back.segments.depths, frame.segments.depths);
@@ -189,10 +190,10 @@ TEST(SegmentCodec, DamageIsFoundAndNothingIsTakenOnTrust) {
     FrameCodec codec;
     CodecSettings coding;
     coding.format = format;
-    const std::vector<std::byte> payload = codec.encode(frame, coding);
+    const ByteVector payload = codec.encode(frame, coding);
     size_t refused = 0;
     for (int round = 0; round < 600; ++round) {
-      std::vector<std::byte> damaged = payload;
+      ByteVector damaged = payload;
       if (round % 3 == 0)
         damaged.resize(9 + random() % (damaged.size() - 9));
       else

@@ -108,7 +108,7 @@ class FailingCoder final : public TiledCoder {
  public:
   explicit FailingCoder(int calls) : left_(calls) {}
 
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     out.push_back(std::byte{99});  // half of it
     work();
     out.pop_back();
@@ -119,7 +119,7 @@ class FailingCoder final : public TiledCoder {
     work();
     return host_->takeSamples(reader, placement, count, frame);
   }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     work();
     host_->appendSegments(out, frame, placement);
   }
@@ -127,7 +127,9 @@ class FailingCoder final : public TiledCoder {
     work();
     return host_->takeSegments(reader, placement, hasNormals, most, frame);
   }
+  void beginToAppendSegments(const SampleFrame&, Placement) override { work(); }
   void beginToAppendSamples(const SampleFrame&, Placement) override { work(); }
+  void beginToTakeSegments(ByteReader, bool, const SampleFrame&) override { work(); }
   void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override { work(); }
   void forget() override {}
 
@@ -144,8 +146,8 @@ TEST(FallbackTiledCoder, FramesGoOnOnTheHostAndTheReasonIsToldOnce) {
   MarchSettings settings;
   settings.sample.segments = 2;
   const SampleFrame frame = marched(shells(), settings, 80, 50);
-  const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
-  for (int calls = 0; calls < 8; ++calls) {
+  const ByteVector payload = FrameCodec().encode(frame, kTiled);
+  for (int calls = 0; calls < 9; ++calls) {
     std::vector<std::string> told;
     FrameCodec codec(makeFallbackTiledCoder(
         [calls]() -> TiledCoderPtr {
@@ -167,9 +169,17 @@ TEST(FallbackTiledCoder, FramesGoOnOnTheHostAndTheReasonIsToldOnce) {
 /// Knows whether something was begun and not ended.
 class WatchedCoder final : public TiledCoder {
  public:
-  void beginToAppendSamples(const SampleFrame&, Placement) override { isBegun = true; }
-  void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override { isBegun = true; }
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void beginToAppendSegments(const SampleFrame&, Placement) override { areSegmentsBegun = true; }
+  void beginToAppendSamples(const SampleFrame&, Placement) override {
+    EXPECT_TRUE(areSegmentsBegun);  // which take longer
+    isBegun = true;
+  }
+  void beginToTakeSegments(ByteReader, bool, const SampleFrame&) override { areSegmentsBegun = true; }
+  void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override {
+    EXPECT_TRUE(areSegmentsBegun);
+    isBegun = true;
+  }
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     EXPECT_TRUE(isBegun);
     host_->appendSamples(out, frame, placement);
   }
@@ -177,32 +187,32 @@ class WatchedCoder final : public TiledCoder {
     EXPECT_TRUE(isBegun);
     return host_->takeSamples(reader, placement, count, frame);
   }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
-    EXPECT_TRUE(isBegun);
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
+    EXPECT_TRUE(isBegun && areSegmentsBegun);
     if (isFailing) throw DeviceError("unplugged");
     host_->appendSegments(out, frame, placement);
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    EXPECT_TRUE(isBegun);
+    EXPECT_TRUE(isBegun && areSegmentsBegun);
     return host_->takeSegments(reader, placement, hasNormals, most, frame);
   }
-  void endBegun() override { isBegun = false; }
+  void endBegun() override { isBegun = areSegmentsBegun = false; }
   void forget() override { ++forgotten; }
 
-  bool isBegun = false, isFailing = false;
+  bool isBegun = false, areSegmentsBegun = false, isFailing = false;
   int forgotten = 0;
 
  private:
   const TiledCoderPtr host_ = makeHostTiledCoder();
 };
 
-TEST(TiledCoder, SamplesAreBegunBeforeAllElseAndEndHoweverTheFrameDoes) {
+TEST(TiledCoder, SegmentsAndSamplesAreBegunBeforeAllElseAndEndHoweverTheFrameDoes) {
   const auto coder = std::make_shared<WatchedCoder>();
   FrameCodec codec(coder);
   MarchSettings settings;
   settings.sample.segments = 2;
   const SampleFrame large = marched(shells(), settings, 300, 200), small = marched(shells(), settings, 12, 9);
-  const std::vector<std::byte> payload = codec.encode(large, kTiled);
+  const ByteVector payload = codec.encode(large, kTiled);
   EXPECT_FALSE(coder->isBegun);
   for (int i = 0; i < 100 && coder->forgotten == 0; ++i) {  // until what the large frame needed is given back
     codec.encode(small, kTiled);
@@ -210,7 +220,7 @@ TEST(TiledCoder, SamplesAreBegunBeforeAllElseAndEndHoweverTheFrameDoes) {
   }
   EXPECT_GT(coder->forgotten, 0);
   for (const size_t damaged : {payload.size(), payload.size() / 2}) {
-    std::vector<std::byte> bytes(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(damaged));
+    ByteVector bytes(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(damaged));
     SampleFrame back = headOf(large);
     EXPECT_EQ(codec.decode(sealed(std::move(bytes)), large.size(), back).has_value(), damaged < payload.size());
     EXPECT_FALSE(coder->isBegun);
@@ -224,7 +234,7 @@ TEST(TiledCoder, SamplesAreBegunBeforeAllElseAndEndHoweverTheFrameDoes) {
 TEST(TiledPayload, IsTheSameEverywhere) {
   std::vector<uint32_t> pixels;
   for (uint32_t i = 0; i < 200 * 90; i += 1 + i % 7 + (i % 900 < 300 ? 40 : 0)) pixels.push_back(i);
-  const std::vector<std::byte> payload = FrameCodec().encode(framedPixels(200, 90, pixels, 4), kTiled);
+  const ByteVector payload = FrameCodec().encode(framedPixels(200, 90, pixels, 4), kTiled);
   EXPECT_EQ(payload.size(), 21652u);
   EXPECT_EQ(hashBytes(payload, 0), 6508679501248068932u);
 }

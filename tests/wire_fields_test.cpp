@@ -267,7 +267,7 @@ TEST(WireFields, ColoursOfEveryKindComeBackAndDamageIsRefused) {
   Image<glm::vec4> image(37, 11);
   for (size_t i = 0; i < image.size(); ++i)
     image[i] = {static_cast<float>(i) * 1e-7f, -0.0f, i % 3 == 0 ? std::numeric_limits<float>::infinity() : 1.0f, 1.0f / static_cast<float>(i + 1)};
-  std::vector<std::byte> bytes = encodeColors(image);
+  ByteVector bytes = encodeColors(image);
   EXPECT_TRUE(decodeColors(bytes, 37, 11) == image);
   EXPECT_THROW(decodeColors(bytes, 38, 11), InputError);
   EXPECT_THROW(decodeColors(bytes, 36, 11), InputError);

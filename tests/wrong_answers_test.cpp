@@ -62,16 +62,16 @@ class WrongAnswers : public testing::Test {
     return said;
   }
   /// The same for an honest frame whose head is changed; `payload` may be, too.
-  std::vector<std::string> sentences(const std::function<void(net::FrameHead&, net::Bytes&)>& change) {
+  std::vector<std::string> sentences(const std::function<void(net::FrameHead&, ByteVector&)>& change) {
     return sentences([&](BareSocket& to, const net::FrameRequest& request) {
       const SampleFrame frame = marcher_->march(camera_, settings_);
       net::FrameHead head = honestHead(request, frame);
-      net::Bytes payload = FrameCodec().encode(frame, codecFrom(request.codec));
+      ByteVector payload = FrameCodec().encode(frame, codecFrom(request.codec));
       change(head, payload);
       return to.send(net::frameMessage(head, payload.size())) && to.send(payload);
     });
   }
-  void expectAll(const std::function<void(net::FrameHead&, net::Bytes&)>& change, const std::string& sentence) {
+  void expectAll(const std::function<void(net::FrameHead&, ByteVector&)>& change, const std::string& sentence) {
     const net::PeakMemory peak;
     EXPECT_THAT(sentences(change), testing::Each(HasSubstr(sentence)));
     if (const auto grown = peak.grownBytes(); grown && !net::kIsSanitized) EXPECT_LT(*grown, 32 * kMiB) << sentence;
@@ -96,23 +96,23 @@ class WrongAnswers : public testing::Test {
 };
 
 TEST_F(WrongAnswers, AnHonestAnswerIsTaken) {
-  EXPECT_THAT(sentences([](net::FrameHead&, net::Bytes&) {}), testing::Each("it was taken"));
+  EXPECT_THAT(sentences([](net::FrameHead&, ByteVector&) {}), testing::Each("it was taken"));
 }
 
 TEST_F(WrongAnswers, AnInventedCameraIsNotDecoded) {
   // Few bytes that would be many samples: a frame of 8192 x 8192 in which nearly nothing is seen.
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.camera.width = head.camera.height = 8192; },
+  expectAll([](net::FrameHead& head, ByteVector&) { head.camera.width = head.camera.height = 8192; },
             "the server answered something else than it was asked: a size of 8192x8192 pixels, not 64x48");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.camera.eye[0] += 1.0f; }, "asked: another camera");
+  expectAll([](net::FrameHead& head, ByteVector&) { head.camera.eye[0] += 1.0f; }, "asked: another camera");
 }
 
 TEST_F(WrongAnswers, OtherFramesSettingsAndCodecsAreNotDecoded) {
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.id += 1; }, "nobody waits for frame");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::picture; },
+  expectAll([](net::FrameHead& head, ByteVector&) { head.id += 1; }, "nobody waits for frame");
+  expectAll([](net::FrameHead& head, ByteVector&) { head.wanted = net::Wanted::picture; },
             "a picture where samples were wanted");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.codec.format = 0; }, "another codec");
+  expectAll([](net::FrameHead& head, ByteVector&) { head.codec.format = 0; }, "another codec");
   expectAll(
-      [](net::FrameHead& head, net::Bytes&) {
+      [](net::FrameHead& head, ByteVector&) {
         std::ranges::find(head.settings, "samplesPerRay", &net::SettingField::name)->value = "8";
       },
       "the setting samplesPerRay is not 1");
@@ -127,11 +127,11 @@ void setOf(net::FrameHead& head, std::string_view name, const std::string& value
 }
 
 TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
-  const auto withStep = [](const char* step) { return [step](net::FrameHead& head, net::Bytes&) { setOf(head, "step", step); }; };
+  const auto withStep = [](const char* step) { return [step](net::FrameHead& head, ByteVector&) { setOf(head, "step", step); }; };
   expectAll(withStep("1.5"), "the setting step is not 0.5");
   transport_.server.movingMs = 40;
   // The source behind windows and commands says so; what marches ground truth does not, and takes nothing else.
-  const auto answers = [&](const std::function<void(net::FrameHead&, net::Bytes&)>& change) { return sentences(change).front(); };
+  const auto answers = [&](const std::function<void(net::FrameHead&, ByteVector&)>& change) { return sentences(change).front(); };
   for (const float step : {1.5f, 2.0f}) {
     const auto marched = [&](BareSocket& to, const net::FrameRequest& request) {
       MarchSettings coarser = settings_;
@@ -139,7 +139,7 @@ TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
       const SampleFrame frame = marcher_->march(camera_, coarser);
       net::FrameHead head = honestHead(request, frame);
       head.settings = headOf(frame, codecFrom(request.codec), wishesFrom(request.settings)).settings;
-      const net::Bytes payload = FrameCodec().encode(frame, codecFrom(request.codec));
+      const ByteVector payload = FrameCodec().encode(frame, codecFrom(request.codec));
       return to.send(net::frameMessage(head, payload.size())) && to.send(payload);
     };
     EXPECT_EQ(sentences(marched).front(), "it was taken") << step;
@@ -148,27 +148,27 @@ TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
   EXPECT_THAT(sentences(withStep("1.5"))[1], HasSubstr("the setting step is not 0.5"));
   for (const char* step : {"0.25", "2.01", "1000", "nan", "-1", "", "coarse"})
     EXPECT_THAT(answers(withStep(step)), HasSubstr("the setting step is not 0.5")) << step;
-  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) {
+  EXPECT_THAT(answers([](net::FrameHead& head, ByteVector&) {
                 setOf(head, "step", "1.5");
                 setOf(head, "contribution", "0.25");
               }),
               HasSubstr("is not"));
-  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) { setOf(head, "heuristic", "exit"); }), HasSubstr("the setting heuristic is not gradient"));
+  EXPECT_THAT(answers([](net::FrameHead& head, ByteVector&) { setOf(head, "heuristic", "exit"); }), HasSubstr("the setting heuristic is not gradient"));
   for (const char* allowed : {"0", "41", "many"})
-    EXPECT_THAT(answers([&](net::FrameHead& head, net::Bytes&) {
+    EXPECT_THAT(answers([&](net::FrameHead& head, ByteVector&) {
                   setOf(head, "step", "1.5");
                   setOf(head, "serverMs", allowed);
                 }),
                 HasSubstr("is not"))
         << allowed;
-  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) { std::erase_if(head.settings, [](const auto& field) { return field.name == "serverMs"; }); }),
+  EXPECT_THAT(answers([](net::FrameHead& head, ByteVector&) { std::erase_if(head.settings, [](const auto& field) { return field.name == "serverMs"; }); }),
               HasSubstr("the setting serverMs is not 40"));
 }
 
 TEST_F(WrongAnswers, ImpossibleNumbersOfSamplesAndBytesAreNotRead) {
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 64 * 48 + 1; },
+  expectAll([](net::FrameHead& head, ByteVector&) { head.sampleCount = 64 * 48 + 1; },
             "3073 samples, where 3072 are the most");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = ~uint64_t{0}; },
+  expectAll([](net::FrameHead& head, ByteVector&) { head.sampleCount = ~uint64_t{0}; },
             "18446744073709551615 samples, where 3072 are the most");
   // A gibibyte is announced, and zeros keep coming.
   const auto zeros = [&](BareSocket& to, const net::FrameRequest& request) {
@@ -211,18 +211,18 @@ TEST_F(WrongAnswers, WhatNothingCanBeDrawnFromIsTheFramesFault) {
     EXPECT_EQ(faultAfter([&](net::FrameHead& head) { head.stages.marchMs = value; }),
               "the server's frame has times that are none");
   // Said as it is by every way in, before the payload has come.
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.radiusUnit = 0x1p120f; },
+  expectAll([](net::FrameHead& head, ByteVector&) { head.radiusUnit = 0x1p120f; },
             "the server's frame has a unit of radii");
 }
 
 TEST_F(WrongAnswers, WhatIsWrongInsideAPayloadIsASentence) {
-  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[payload.size() / 2] ^= std::byte{1}; },
+  expectAll([](net::FrameHead&, ByteVector& payload) { payload[payload.size() / 2] ^= std::byte{1}; },
             "the payload is damaged");
-  expectAll([](net::FrameHead&, net::Bytes& payload) { payload.clear(); }, "another format than its head says");
-  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[0] = std::byte{0}; },
+  expectAll([](net::FrameHead&, ByteVector& payload) { payload.clear(); }, "another format than its head says");
+  expectAll([](net::FrameHead&, ByteVector& payload) { payload[0] = std::byte{0}; },
             "another format than its head says");
   expectAll(
-      [&](net::FrameHead& head, net::Bytes& payload) {
+      [&](net::FrameHead& head, ByteVector& payload) {
         SampleFrame frame = marcher_->march(camera_, settings_);
         frame.samples[7] &= kPositionMask;
         head.sampleCount = frame.size();
@@ -232,12 +232,12 @@ TEST_F(WrongAnswers, WhatIsWrongInsideAPayloadIsASentence) {
 }
 
 TEST_F(WrongAnswers, PicturesAreJudgedAsFramesAre) {
-  const auto sentence = [&](const std::function<void(net::FrameHead&, net::Bytes&)>& change) {
+  const auto sentence = [&](const std::function<void(net::FrameHead&, ByteVector&)>& change) {
     const AdversarialServer server(toFields(scene_), [&](BareSocket& to, const net::FrameRequest& request) {
       Image<glm::vec4> image;
       marcher_->render(camera_, settings_.render, image);
       net::FrameHead head = echoOf(request);
-      net::Bytes payload = encodeColors(image);
+      ByteVector payload = encodeColors(image);
       change(head, payload);
       return to.send(net::frameMessage(head, payload.size())) && to.send(payload);
     });
@@ -245,20 +245,20 @@ TEST_F(WrongAnswers, PicturesAreJudgedAsFramesAre) {
     Image<glm::vec4> image;
     return sentenceOf([&] { marcher->render(camera_, settings_.render, image); });
   };
-  EXPECT_EQ(sentence([](net::FrameHead&, net::Bytes&) {}), "it was taken");
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::samples; }),
+  EXPECT_EQ(sentence([](net::FrameHead&, ByteVector&) {}), "it was taken");
+  EXPECT_THAT(sentence([](net::FrameHead& head, ByteVector&) { head.wanted = net::Wanted::samples; }),
               HasSubstr("samples where a picture was wanted"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.camera.width = 8192; }),
+  EXPECT_THAT(sentence([](net::FrameHead& head, ByteVector&) { head.camera.width = 8192; }),
               HasSubstr("a size of 8192x48 pixels, not 64x48"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 1; }),
+  EXPECT_THAT(sentence([](net::FrameHead& head, ByteVector&) { head.sampleCount = 1; }),
               HasSubstr("1 samples in a picture, where 0 are the most"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) {
+  EXPECT_THAT(sentence([](net::FrameHead& head, ByteVector&) {
                 head.planes = {{"extent", 2}};
               }),
               HasSubstr("1 planes of samples in a picture"));
-  EXPECT_THAT(sentence([](net::FrameHead&, net::Bytes& payload) { payload.resize(16 * 64 * 48 + 16 * 4 + 1); }),
+  EXPECT_THAT(sentence([](net::FrameHead&, ByteVector& payload) { payload.resize(16 * 64 * 48 + 16 * 4 + 1, std::byte{0}); }),
               HasSubstr("49217 bytes for the picture, where 49216 are the most"));
-  EXPECT_THAT(sentence([](net::FrameHead&, net::Bytes& payload) { payload.resize(16 * 64 * 48 + 16 * 4); }),
+  EXPECT_THAT(sentence([](net::FrameHead&, ByteVector& payload) { payload.resize(16 * 64 * 48 + 16 * 4, std::byte{0}); }),
               HasSubstr("the server's picture is damaged"));
 }
 
@@ -279,7 +279,7 @@ TEST_F(WrongAnswers, ABusyServerIsSaidAndForgottenWithTheAnswer) {
     to.send(net::busyMessage(7));
     while (!mayAnswer) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const SampleFrame frame = marcher_->march(camera_, settings_);
-    const net::Bytes payload = FrameCodec().encode(frame, codecFrom(request.codec));
+    const ByteVector payload = FrameCodec().encode(frame, codecFrom(request.codec));
     return to.send(net::frameMessage(honestHead(request, frame), payload.size())) && to.send(payload);
   });
   const ConnectedScene connected = connectScene(io_, server.address(), transport_, [] {}, {});

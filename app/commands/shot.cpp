@@ -64,7 +64,7 @@ std::string encode(const Image<Rgba8>& picture, PictureFormat format, const std:
     case PictureFormat::png:
       return encodePng(picture, stop);
     case PictureFormat::jpeg: {
-      std::vector<std::byte> bytes;
+      ByteVector bytes;
       appendJpeg(bytes, picture.data(), picture.width(), picture.height(), CodecSettings().jpegQuality);
       return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }

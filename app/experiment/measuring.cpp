@@ -117,7 +117,7 @@ Measured measureArrival(const Measuring& measuring, const Drawing& drawing, Fram
                         const Camera& camera, WarpedImage& image) {
   SampleFrame head = *frame;
   head.settings = withoutProxy(head.settings);
-  const std::vector<std::byte> payload = codec.encode(head, coding);
+  const ByteVector payload = codec.encode(head, coding);
   const size_t count = head.size();
   head.samples = {};
   head.colors = {};

@@ -18,9 +18,9 @@ constexpr size_t kPlanes = sizeof(glm::vec4);
 
 }  // namespace
 
-std::vector<std::byte> encodeColors(const Image<glm::vec4>& image) {
+ByteVector encodeColors(const Image<glm::vec4>& image) {
   const size_t pixels = size_t{image.width()} * image.height();
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   std::vector<uint8_t> plane;
   for (size_t begin = 0; begin < pixels; begin += kPlaneBytes) {
     plane.resize(std::min(kPlaneBytes, pixels - begin));

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <glm/vec4.hpp>
 #include <span>
-#include <vector>
 
+#include "render/codec/bytes.h"
 #include "render/core/image.h"
 
 namespace warpscope {
 
-std::vector<std::byte> encodeColors(const Image<glm::vec4>& image);
+ByteVector encodeColors(const Image<glm::vec4>& image);
 /// What that makes of such an image at most.
 uint64_t mostColorBytes(uint32_t width, uint32_t height);
 /// Back, for an image of that size. Throws InputError for anything else.

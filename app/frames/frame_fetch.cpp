@@ -66,7 +66,7 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
 
 CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received) {
   CodecTrip trip;
-  std::vector<std::byte> payload;
+  ByteVector payload;
   trip.encodeMs = milliseconds([&] { payload = codec.encode(sent, settings); });
   trip.bytes = codec.bytes();
   const size_t count = sent.size();

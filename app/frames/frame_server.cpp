@@ -26,6 +26,7 @@ namespace {
 constexpr std::chrono::milliseconds kKeptFor{2000};
 constexpr int kMostSmallerJobs = 16;
 constexpr size_t kFarTooMuch = 4;
+constexpr size_t kSpareShare = 4;  // of a payload, that may be room behind it
 
 // Bytes of a sample or a pixel that marcher, frame and codec hold at the same time, at the most; seen where `block` fills most of a picture: 25 and 24.
 constexpr size_t kBytesOfSample = 40;
@@ -138,7 +139,7 @@ class FrameServer::Lane {
 /// A frame that answers a request, but for who asked and when.
 struct FrameServer::Answer {
   net::FrameHead head;
-  net::Bytes payload;
+  net::HeldBytes payload;
   net::ByteBudget::SharePtr share;
 };
 
@@ -281,6 +282,7 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   const CodecSettings coding = codecFrom(request.codec);
   const size_t bytes = memoryFor(camera, march, request.wanted);
   Answer answer;
+  ByteVector payload;
   answer.share = memoryOf(camera, bytes, stop);
   lane.prepare(bytes, marcher());
   lane.exchangeWaitedMs();
@@ -296,7 +298,7 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
         return frame;
       };
       const auto encode = [&](const SampleFrame& frame) {
-        answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
+        answer.head.stages.encodeMs = milliseconds([&] { payload = lane.codec().encode(frame, coding); });
       };
       SampleFrame frame = marchTo(FrameCodec::codesOnDevices(coding));
       try {
@@ -317,13 +319,15 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
       answer.head.codec = request.codec;
       answer.head.stages.marchMs = milliseconds([&] { lane.marcher().render(camera, march.render, image, stop); });
       takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
-      answer.head.stages.encodeMs = milliseconds([&] { answer.payload = encodeColors(image); });
+      answer.head.stages.encodeMs = milliseconds([&] { payload = encodeColors(image); });
     }
   } catch (const WorkLimitExceeded& error) {
     throw InputError(sentenceFor(error, camera, march));
   }
-  answer.payload.shrink_to_fit();
-  if (answer.share) answer.share->shrinkTo(answer.payload.size());
+  // What is little more than there are bytes is not worth their copying.
+  if (payload.capacity() - payload.size() > payload.size() / kSpareShare) payload.shrink_to_fit();
+  if (answer.share) answer.share->shrinkTo(payload.capacity());
+  answer.payload = std::move(payload);
   return answer;
 }
 

@@ -175,7 +175,7 @@ class RecordingWriter::Work {
       frame.proxy.reset();
       frame.settings.sample.proxy = 0;
     }
-    const net::Bytes payload = codec_.encode(frame, recordedCodec());
+    const ByteVector payload = codec_.encode(frame, recordedCodec());
     net::FrameHead head = headOf(frame, recordedCodec());
     head.id = frame.requestId;
     net::Bytes body = net::frameMessage(head, payload.size());

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "render/core/transfer_vector.h"
+
 namespace warpscope {
 
 template <class T>
@@ -29,10 +31,19 @@ T loadLittle(const std::byte* place) {
   return value;
 }
 
-template <class T>
-void appendLittle(std::vector<std::byte>& bytes, T value) {
-  bytes.resize(bytes.size() + sizeof(T));
-  storeLittle(bytes.data() + bytes.size() - sizeof(T), value);
+/// What payloads are made in.
+using ByteVector = TransferVector<std::byte>;
+
+/// So many bytes more, whatever they are, and where they begin.
+template <class Allocator>
+std::byte* grown(std::vector<std::byte, Allocator>& bytes, size_t count) {
+  bytes.resize(bytes.size() + count);
+  return bytes.data() + bytes.size() - count;
+}
+
+template <class Allocator, class T>
+void appendLittle(std::vector<std::byte, Allocator>& bytes, T value) {
+  storeLittle(grown(bytes, sizeof(T)), value);
 }
 
 /// Reads from front to back. Past the end it gives zeros and empty spans, and says so from then on.

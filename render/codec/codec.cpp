@@ -9,16 +9,15 @@
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
+#include "render/codec/payload_hash.h"
 #include "render/codec/plane_coding.h"
 #include "render/codec/proxy_coding.h"
 #include "render/codec/raw_codec.h"
 #include "render/codec/segment_coding.h"
-#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tiled_codec.h"
 #include "render/core/freed_memory.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
-#include "render/core/placed_hash.h"
 
 namespace warpscope {
 namespace {
@@ -26,10 +25,8 @@ namespace {
 constexpr CodecDescriptor kCodecs[] = {
     {PayloadFormat::raw, makeRawCodec, mostRawBytes, mostRawPlaneBytes},
     {PayloadFormat::packed, makePackedCodec, mostPackedBytes, mostPackedPlaneBytes},
-    {PayloadFormat::tiled, makeTiledCodec, mostTiledBytes, mostTiledPlaneBytes, true},
+    {PayloadFormat::tiled, makeTiledCodec, mostTiledBytes, mostTiledPlaneBytes, true, true},
 };
-
-constexpr size_t kHeadBytes = 9;
 
 const CodecDescriptor& descriptorOf(PayloadFormat format) {
   const auto found = std::ranges::find(kCodecs, format, &CodecDescriptor::format);
@@ -48,24 +45,6 @@ class Begun {
  private:
   TiledCoder& coder_;
 };
-
-/// Of words, the last one filled up with zeros, and of the number of bytes.
-uint64_t summedHashOf(std::span<const std::byte> bytes, uint64_t seed) {
-  constexpr size_t kWord = sizeof(uint64_t);
-  const size_t words = bytes.size() / kWord;
-  const std::byte* const first = bytes.data();
-  uint64_t last = 0;
-  for (size_t i = kWord * words; i < bytes.size(); ++i) last = last << 8 | std::to_integer<uint64_t>(bytes[i]);
-  return summedHash(words, 0, [first](size_t i) { return loadLittle<uint64_t>(first + kWord * i); }) + placedHash(last, words) +
-         placedHash(seed ^ bytes.size() << 8, words + 1);
-}
-
-/// The format is part of what is hashed. Tiled payloads are made and read in less time than one core takes to hash them.
-uint64_t hashOf(std::span<const std::byte> payload) {
-  const auto format = std::to_integer<uint64_t>(payload[0]);
-  const std::span<const std::byte> hashed = payload.subspan(kHeadBytes);
-  return format == static_cast<uint64_t>(PayloadFormat::tiled) ? summedHashOf(hashed, format) : hashBytes(hashed, format);
-}
 
 /// Whether every sample begins a ray or is the next of the one before, and none is one more than its ray may have.
 bool countUp(std::span<const uint8_t> layers, int samplesPerRay) {
@@ -155,18 +134,12 @@ void validate(const CodecSettings& settings) { requireRange(static_cast<double>(
 
 uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings) {
   const CodecDescriptor& codec = descriptorOf(settings.format);
-  uint64_t bytes = kHeadBytes + codec.mostBytes(frame, count, settings);
+  uint64_t bytes = kPayloadHeadBytes + codec.mostBytes(frame, count, settings);
   for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + codec.mostPlaneBytes(plane, count);
   const SampleSettings& sample = frame.settings.sample;
   if (sample.segments > 0) bytes += sizeof(uint32_t) + mostSegmentBytes(frame.camera, frame.settings, settings);
   if (sample.proxy > 0) bytes += sizeof(uint32_t) + mostProxyBytes(sample.proxy);
   return bytes;
-}
-
-void sealPayload(std::span<std::byte> payload) {
-  if (payload.size() < kHeadBytes) return;
-  const uint64_t hash = hashOf(payload);
-  for (size_t i = 0; i < 8; ++i) payload[1 + i] = static_cast<std::byte>(hash >> 8 * i);
 }
 
 FrameCodec::FrameCodec() : FrameCodec(makeHostTiledCoder()) {}
@@ -182,16 +155,19 @@ Codec& FrameCodec::codecFor(PayloadFormat format) {
   return *codec;
 }
 
-std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
+ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
   // Planes of numbers are coded on the host.
   if (frame.isAway && !(codesOnDevices(settings) && std::ranges::all_of(frame.planes, isImplied))) return encode(onHost(frame), settings);
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
   const Begun begun(*coder_);
+  // Segments take longer.
+  if (frame.settings.sample.segments > 0) segments_->begin(frame, settings);
   codec.beginToEncode(frame);
-  std::vector<std::byte> payload;
-  payload.reserve(bytes_.all() + bytes_.all() / 8);
+  const size_t likely = bytes_.all() + bytes_.all() / 8;
+  ByteVector payload = codesOnDevices(settings) ? coder_->roomFor(likely) : ByteVector();
+  payload.reserve(likely);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
   appendLittle(payload, uint64_t{0});
   // Behind its length, which counts as well.
@@ -209,7 +185,7 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
   if (frame.settings.sample.segments > 0) bytes.segments = appendPart("list of segments", [&] { segments_->append(payload, frame, settings); });
   if (frame.settings.sample.proxy > 0) bytes.proxy = appendPart("copy of the volume", [&] { appendProxy(payload, *frame.proxy); });
   codec.encode(frame, settings, payload);
-  sealPayload(payload);
+  sealPayload(payload, coder_->takeSummed());
   bytes.samples = payload.size() - bytes.all();
   bytes_ = bytes;
   noteNeed(frame, frame.size());
@@ -224,12 +200,10 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
     return "the frame has " + std::to_string(count) + " samples, more than the " + std::to_string(limits.maxSamples) + " allowed";
   const Camera& camera = frame.camera;
   if ((count > 0 || frame.settings.sample.segments > 0) && !isPictureSize(camera.width, camera.height)) return "the frame has samples but no usable picture";
-  if (payload.size() < kHeadBytes) return "the payload ends before its head does";
+  if (payload.size() < kPayloadHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";
-  ByteReader reader(payload.subspan(1));
-  if (reader.take<uint64_t>() != hashOf(payload)) return "the payload is damaged: its bytes do not match their hash";
-  DecodeError error = decodeBehindHead(format, reader, count, frame, limits);
+  DecodeError error = decodeParts(format, payload, count, frame, limits);
   if (error) clear(frame);
   noteNeed(frame, count);
   return error;
@@ -244,10 +218,7 @@ void FrameCodec::noteNeed(const SampleFrame& frame, size_t count) {
   giveBackFreedMemory();
 }
 
-DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits) {
-  Codec& codec = codecFor(format);
-  FrameBytes parts;
-  parts.samples = kHeadBytes + reader.left();
+DecodeError FrameCodec::takeParts(ByteReader& reader, SampleFrame& frame, Parts& parts) {
   planeBytes_.clear();
   size_t kept = 0;
   // Behind its length.
@@ -264,37 +235,52 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
     ++kept;
   }
   frame.planes.resize(kept);
-  std::span<const std::byte> segments, proxy;
   if (frame.settings.sample.segments > 0) {
-    segments = takePart();
+    parts.segments = takePart();
     if (reader.ranOut()) return "the payload ends within its segments";
-    parts.segments = sizeof(uint32_t) + segments.size();
+    parts.bytes.segments = sizeof(uint32_t) + parts.segments.size();
   }
   if (frame.settings.sample.proxy > 0) {
-    proxy = takePart();
+    parts.proxy = takePart();
     if (reader.ranOut()) return "the payload ends within its copy of the volume";
-    parts.proxy = sizeof(uint32_t) + proxy.size();
+    parts.bytes.proxy = sizeof(uint32_t) + parts.proxy.size();
   }
-  const std::span<const std::byte> samples = reader.take(reader.left());
+  parts.samples = reader.take(reader.left());
+  return std::nullopt;
+}
+
+DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits) {
+  Codec& codec = codecFor(format);
+  ByteReader reader(payload.subspan(1));
+  const auto hash = reader.take<uint64_t>();
+  Parts parts;
+  const DecodeError cut = takeParts(reader, frame, parts);
   const Begun begun(*coder_);
-  codec.beginToDecode(samples, count, frame);
-  if (parts.segments > 0)
-    if (DecodeError error = segments_->take(segments, format, limits.maxSegments, frame)) return error;
+  if (!cut) {
+    // Segments take longer.
+    if (parts.bytes.segments > 0) segments_->beginToTake(parts.segments, format, frame);
+    codec.beginToDecode(parts.samples, count, frame);
+  }
+  // While a device works, to which it does not matter what bytes are.
+  if (hash != payloadHash(payload)) return "the payload is damaged: its bytes do not match their hash";
+  if (cut) return cut;
+  if (parts.bytes.segments > 0)
+    if (DecodeError error = segments_->take(parts.segments, format, limits.maxSegments, frame)) return error;
   frame.proxy.reset();
-  if (parts.proxy > 0)
-    if (DecodeError error = takeProxy(proxy, frame.settings.sample.proxy, frame.proxy)) return error;
-  if (DecodeError error = codec.decode(samples, count, frame)) return error;
+  if (parts.bytes.proxy > 0)
+    if (DecodeError error = takeProxy(parts.proxy, frame.settings.sample.proxy, frame.proxy)) return error;
+  if (DecodeError error = codec.decode(parts.samples, count, frame)) return error;
   // The others' values may be predicted along layers.
   for (const bool isLayers : {true, false})
-    for (size_t i = 0; i < kept; ++i) {
+    for (size_t i = 0; i < frame.planes.size(); ++i) {
       if ((frame.planes[i].name == kLayerPlane) != isLayers) continue;
       if (DecodeError error = codec.decodePlane(planeBytes_[i], frame, frame.planes[i])) return error;
       if (isLayers && !countUp(frame.layers(), frame.settings.sample.samplesPerRay))
         return "the frame's layers do not count up along its rays, or its rays have more samples than it says";
     }
-  if (!areInOrder(frame)) return "the frame's samples are not in pixels of its picture, or not in the order of these";
-  parts.samples -= parts.segments + parts.proxy;
-  bytes_ = parts;
+  if (!descriptorOf(format).ordersSamples && !areInOrder(frame)) return "the frame's samples are not in pixels of its picture, or not in the order of these";
+  parts.bytes.samples = payload.size() - parts.bytes.segments - parts.bytes.proxy;
+  bytes_ = parts.bytes;
   return std::nullopt;
 }
 

@@ -89,9 +89,9 @@ class Codec {
   virtual void beginToDecode(std::span<const std::byte>, size_t /*count*/, const SampleFrame&) {}
 
   /// Appends the frame's samples and colours to `payload`.
-  virtual void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) = 0;
+  virtual void encode(const SampleFrame& frame, const CodecSettings& settings, ByteVector& payload) = 0;
   /// Appends one of the frame's planes.
-  virtual void encodePlane(const SampleFrame& frame, const SamplePlane& plane, std::vector<std::byte>& payload) = 0;
+  virtual void encodePlane(const SampleFrame& frame, const SamplePlane& plane, ByteVector& payload) = 0;
 
   /// Fills samples and colours of `frame`, whose other members are set, with `count` of them, and planes that follow from those. `count` is
   /// within the limits.
@@ -109,6 +109,7 @@ struct CodecDescriptor {
   /// The most bytes that encode(), and encodePlane() of one of its planes, append for `count` samples of such a frame.
   uint64_t (*mostBytes)(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
   uint64_t (*mostPlaneBytes)(const SamplePlane& plane, uint64_t count);
+  bool ordersSamples = false;  ///< decodes none that are not in pixels of the picture and in their order
   bool isForDevices = false;  ///< takes frames that are away (SampleFrame::isAway) as they are
 };
 
@@ -143,7 +144,7 @@ class FrameCodec {
   /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, whose planes
   /// are not what sample_planes.h says, or whose rays are not in pixels of the camera's picture, each in one of its own, in their order. What is away
   /// is its marcher's, and taken as it is. Throws DeviceError where that is lost with its device.
-  std::vector<std::byte> encode(const SampleFrame& frame, const CodecSettings& settings);
+  ByteVector encode(const SampleFrame& frame, const CodecSettings& settings);
 
   /// Fills samples, colours and planes of `frame`, whose other members, the names and elements of its planes among them, say what they were
   /// encoded with; there must be `count` of each. What comes back is in order as encode() wants it. Planes that are not known (isKnown) are
@@ -160,8 +161,15 @@ class FrameCodec {
   Codec& codecFor(PayloadFormat format);
   /// What was worked at: gives buffers back that recent frames do not need.
   void noteNeed(const SampleFrame& frame, size_t count);
-  /// Leaves planes out that are not known; may leave the frame half filled.
-  DecodeError decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits);
+  /// What a payload has behind its head, but for planes, which are in planeBytes_.
+  struct Parts {
+    std::span<const std::byte> segments, proxy, samples;
+    FrameBytes bytes;  ///< but for samples
+  };
+  /// Leaves planes out that are not known.
+  DecodeError takeParts(ByteReader& reader, SampleFrame& frame, Parts& parts);
+  /// May leave the frame half filled.
+  DecodeError decodeParts(PayloadFormat format, std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits);
 
   TiledCoderPtr coder_;
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
@@ -170,8 +178,5 @@ class FrameCodec {
   FrameBytes bytes_;                            // of the last payload: the next will be about as long
   RecentNeed need_;                             // of pixels and samples
 };
-
-/// Makes the hash right, whatever the payload holds: for tests of what lies behind it. Nothing for less than a payload's head.
-void sealPayload(std::span<std::byte> payload);
 
 }  // namespace warpscope

@@ -75,7 +75,7 @@ uint64_t ColorPlaneCoder::mostBytes(uint32_t width, uint32_t rows, uint64_t samp
   return alpha + layers * (sizeof(uint32_t) + mostJpegBytes((width + 7) / 8 * 8, rows));
 }
 
-void ColorPlaneCoder::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
+void ColorPlaneCoder::append(ByteVector& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();
   slots_.resize(count + 1);

@@ -21,7 +21,7 @@ class ColorPlaneCoder {
   static uint64_t mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding);
 
   /// `firstRow` is the band's; `mask` is what the layout was built from, `rowBytes` a row.
-  void append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask, uint32_t rowBytes,
+  void append(ByteVector& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask, uint32_t rowBytes,
               std::span<const Rgba8> colors, const CodecSettings& settings);
 
   /// Fills `colors`.

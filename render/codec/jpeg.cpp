@@ -54,7 +54,7 @@ uint64_t mostJpegBytes(uint32_t width, uint32_t height) {
   return width < 1 || height < 1 ? 0 : tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);
 }
 
-void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality) {
+void appendJpeg(ByteVector& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality) {
   const size_t start = out.size();
   unsigned long length = tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);
   out.resize(start + length);
@@ -81,7 +81,7 @@ std::optional<std::string> readJpeg(std::span<const std::byte> jpeg, Rgba8* pixe
   return std::nullopt;
 }
 
-std::vector<std::byte> encodeFramePicture(const SampleFrame& frame, const glm::vec3& background, int quality) {
+ByteVector encodeFramePicture(const SampleFrame& frame, const glm::vec3& background, int quality) {
   requireUsable(frame.camera);
   Image<glm::vec4> colors;
   resolveRayColors(frame, ownPicture(frame), colors);
@@ -90,7 +90,7 @@ std::vector<std::byte> encodeFramePicture(const SampleFrame& frame, const glm::v
   parallelForRanges(colors.size(), 1 << 15, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) picture[i] = tables.encodeOver(colors[i], background);
   });
-  std::vector<std::byte> jpeg;
+  ByteVector jpeg;
   appendJpeg(jpeg, picture.data(), picture.width(), picture.height(), quality);
   return jpeg;
 }

@@ -18,14 +18,14 @@ namespace warpscope {
 uint64_t mostJpegBytes(uint32_t width, uint32_t height);
 
 /// Appends width x height pixels (both within kMaxImageSide, alpha ignored) as JPEG of that quality (1..100).
-void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality);
+void appendJpeg(ByteVector& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality);
 
 /// Fills width x height pixels, opaque. Nothing on success; else why not: no JPEG, of another size, or damaged where that shows.
 std::optional<std::string> readJpeg(std::span<const std::byte> jpeg, Rgba8* pixels, uint32_t width, uint32_t height);
 
 /// What an image-streaming server would send instead of the frame: its picture (as `hold` shows it) over an opaque background (linear
 /// RGB) as JPEG. Throws InputError for an unusable camera.
-std::vector<std::byte> encodeFramePicture(const SampleFrame& frame, const glm::vec3& background, int quality);
+ByteVector encodeFramePicture(const SampleFrame& frame, const glm::vec3& background, int quality);
 
 /// Back to a picture, which must be of the size that the frame's camera has. Nothing on success; else what was wrong.
 std::optional<std::string> decodeFramePicture(std::span<const std::byte> jpeg, const Camera& camera, Image<Rgba8>& picture);

@@ -21,7 +21,7 @@ uint64_t LayerPacker::mostBytes(const MaskShape& shape, uint64_t samples, uint64
          ColorPlaneCoder::mostBytes(shape.width, shape.rowCount, samples, layers, coding);
 }
 
-void LayerPacker::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement,
+void LayerPacker::append(ByteVector& out, const SampleFrame& frame, Placement placement,
                          const MaskShape& shape, std::span<const uint8_t> mask, std::span<const PackedSample> samples,
                          std::span<const Rgba8> colors, const CodecSettings& settings) {
   layout_.build(shape.width, shape.firstRow, shape.rowCount, mask);

@@ -27,7 +27,7 @@ class LayerPacker {
   static uint64_t mostBytes(const MaskShape& shape, uint64_t samples, uint64_t layers, ColorCoding coding);
 
   /// `samples` are of the mask's pixels, in their order; `colors` are theirs.
-  void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement, const MaskShape& shape,
+  void append(ByteVector& out, const SampleFrame& frame, Placement placement, const MaskShape& shape,
               std::span<const uint8_t> mask, std::span<const PackedSample> samples, std::span<const Rgba8> colors,
               const CodecSettings& settings);
 

@@ -51,7 +51,7 @@ uint64_t BandPacker::mostBytes(uint32_t width, uint32_t rows, uint64_t samples, 
 }
 
 void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end,
-                      const CodecSettings& settings, std::vector<std::byte>& out) {
+                      const CodecSettings& settings, ByteVector& out) {
   Buffers& b = *buffers_;
   const size_t count = end - begin;
   const MaskShape shape = shapeOf(frame, rows);

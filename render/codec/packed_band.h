@@ -43,7 +43,7 @@ class BandPacker {
 
   /// Appends the band whose samples are [begin, end) of the frame: those in its rows, of a frame that codec.h takes.
   void pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, const CodecSettings& settings,
-            std::vector<std::byte>& out);
+            ByteVector& out);
 
   /// Fills samples and colours, which say how many there must be, and as many layers, or none if the frame does not say
   /// such. The frame gives camera, quantisation, settings.

@@ -37,7 +37,7 @@ class PackedCodec final : public Codec {
   /// What others have of the workspaces comes back; what nobody uses may have grown for this one.
   ~PackedCodec() override { packers_->forget(); }
 
-  void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) override {
+  void encode(const SampleFrame& frame, const CodecSettings& settings, ByteVector& payload) override {
     const Placement placement = placementOf(frame);
     const Bands bands(frame.camera, placement, frame.size());
     cut(frame, bands);
@@ -60,7 +60,7 @@ class PackedCodec final : public Codec {
       total += packed_[band].size();
     }
     payload.reserve(payload.size() + total);
-    for (const std::vector<std::byte>& band : packed_) payload.insert(payload.end(), band.begin(), band.end());
+    for (const ByteVector& band : packed_) payload.insert(payload.end(), band.begin(), band.end());
   }
 
   DecodeError decode(std::span<const std::byte> bytes, size_t count, SampleFrame& frame) override {
@@ -115,7 +115,7 @@ class PackedCodec final : public Codec {
     return firstError;
   }
 
-  void encodePlane(const SampleFrame& frame, const SamplePlane& plane, std::vector<std::byte>& payload) override {
+  void encodePlane(const SampleFrame& frame, const SamplePlane& plane, ByteVector& payload) override {
     if (!isImplied(plane)) appendPlane(payload, plane, frame.layers());
   }
 
@@ -142,7 +142,7 @@ class PackedCodec final : public Codec {
   }
 
   std::vector<size_t> starts_, ends_;  // of bands: first byte; sample after the last
-  std::vector<std::vector<std::byte>> packed_;
+  std::vector<ByteVector> packed_;
   const std::shared_ptr<SharedPool<BandPacker>> packers_ = SharedPool<BandPacker>::ofProcess();
 };
 

@@ -10,20 +10,11 @@
 #include <cstdint>
 #include <span>
 
-#include "render/codec/pixel_places.h"
+#include "render/march/frame_places.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
-#include "render/march/sample_frame.h"
 
 namespace warpscope {
-
-/// Whether the rays of a frame's pixels have a lattice: else there is Placement::depth alone.
-bool hasLattice(const SampleFrame& frame);
-
-/// Steps or half steps, if a look at some of the frame's samples says that they lie on them.
-Placement placementOf(const SampleFrame& frame);
-/// kBorders, if a look at some of the frame's segments says that they begin there; else depth.
-Placement borderPlacementOf(const SampleFrame& frame);
 
 /// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
 struct FineScale {
@@ -33,9 +24,6 @@ struct FineScale {
   int32_t fineOf(size_t k, int32_t place) const { return fineOfPlace(place, origins[k], bits); }
   int32_t placeOf(size_t k, int32_t fine) const { return placeOfFine(fine, origins[k], bits); }
 };
-
-/// What the rays of a frame share, with the host's noise.
-PathGrid pathGridOf(const SampleFrame& frame, Placement placement);
 
 /// What samples in pixels share, and the samples' rays; as arrays, for the compiler to work on several at once.
 class PixelPaths {

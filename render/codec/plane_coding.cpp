@@ -48,7 +48,7 @@ uint32_t load(const std::byte* value) {
 }
 
 template <size_t kBytes>
-void packPiece(std::span<const std::byte> values, std::span<const uint8_t> layers, std::vector<std::byte>& out) {
+void packPiece(std::span<const std::byte> values, std::span<const uint8_t> layers, ByteVector& out) {
   const size_t count = values.size() / kBytes;
   std::array<uint32_t, 256> last{};  // value of each layer
   std::vector<uint8_t> bytes(values.size());
@@ -84,9 +84,9 @@ bool unpackPiece(std::span<const std::byte> packed, std::span<const uint8_t> lay
 
 }  // namespace
 
-void appendPlane(std::vector<std::byte>& out, const SamplePlane& plane, std::span<const uint8_t> layers) {
+void appendPlane(ByteVector& out, const SamplePlane& plane, std::span<const uint8_t> layers) {
   const size_t bytes = bytesOf(plane.element), count = plane.values.size() / bytes;
-  std::vector<std::vector<std::byte>> pieces(piecesOf(count));
+  std::vector<ByteVector> pieces(piecesOf(count));
   parallelForRanges(pieces.size(), 1, [&](size_t from, size_t to) {
     for (size_t piece = from; piece < to; ++piece) {
       const size_t begin = piece * kPlanePiece, end = std::min(begin + kPlanePiece, count);
@@ -95,8 +95,8 @@ void appendPlane(std::vector<std::byte>& out, const SamplePlane& plane, std::spa
       pack(values, partOf(layers, begin, end), pieces[piece]);
     }
   });
-  for (const std::vector<std::byte>& piece : pieces) appendLittle(out, static_cast<uint32_t>(piece.size()));
-  for (const std::vector<std::byte>& piece : pieces) out.insert(out.end(), piece.begin(), piece.end());
+  for (const ByteVector& piece : pieces) appendLittle(out, static_cast<uint32_t>(piece.size()));
+  for (const ByteVector& piece : pieces) out.insert(out.end(), piece.begin(), piece.end());
 }
 
 DecodeError takePlane(std::span<const std::byte> bytes, size_t count, std::span<const uint8_t> layers, SamplePlane& plane) {

@@ -19,7 +19,7 @@ inline constexpr size_t kPlanePiece = size_t{1} << 17;
 inline bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
 
 /// Appends the plane; `layers` are those of its frame, empty or one a value.
-void appendPlane(std::vector<std::byte>& out, const SamplePlane& plane, std::span<const uint8_t> layers);
+void appendPlane(ByteVector& out, const SamplePlane& plane, std::span<const uint8_t> layers);
 
 /// Fills the plane's values, `count` of them, of an element whose size is known. An error if `bytes` are not just such a plane; nothing is
 /// allocated for one whose pieces are not there.

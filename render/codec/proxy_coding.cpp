@@ -13,8 +13,8 @@ namespace {
 
 constexpr uint64_t kProxyHeadBytes = 3 * 4 + (3 + 3 + 9 + 1 + 2) * 8 + 1 + 4, kPointBytes = 8 + 4 * 4;
 
-void appendDouble(std::vector<std::byte>& out, double value) { appendLittle(out, std::bit_cast<uint64_t>(value)); }
-void appendFloat(std::vector<std::byte>& out, float value) { appendLittle(out, std::bit_cast<uint32_t>(value)); }
+void appendDouble(ByteVector& out, double value) { appendLittle(out, std::bit_cast<uint64_t>(value)); }
+void appendFloat(ByteVector& out, float value) { appendLittle(out, std::bit_cast<uint32_t>(value)); }
 double takeDouble(ByteReader& reader) { return std::bit_cast<double>(reader.take<uint64_t>()); }
 float takeFloat(ByteReader& reader) { return std::bit_cast<float>(reader.take<uint32_t>()); }
 
@@ -28,7 +28,7 @@ uint64_t mostProxyBytes(int longest) {
   return kProxyHeadBytes + kMostFunctionPoints * kPointBytes + kSectionHeadBytes + edge * edge * edge;
 }
 
-void appendProxy(std::vector<std::byte>& out, const Proxy& proxy) {
+void appendProxy(ByteVector& out, const Proxy& proxy) {
   const Volume& volume = *proxy.volume;
   const VolumeGeometry& geometry = volume.geometry();
   const ProxyScale& scale = proxy.scale;
@@ -110,7 +110,7 @@ DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& o
 }
 
 size_t proxyBytesOf(const Proxy& proxy) {
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   appendProxy(bytes, proxy);
   return sizeof(uint32_t) + bytes.size();
 }

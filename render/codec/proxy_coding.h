@@ -17,7 +17,7 @@ inline constexpr uint32_t kMostFunctionPoints = 1 << 16;
 uint64_t mostProxyBytes(int longest);
 
 /// Throws InputError for a transfer function with more than kMostFunctionPoints points.
-void appendProxy(std::vector<std::byte>& out, const Proxy& proxy);
+void appendProxy(ByteVector& out, const Proxy& proxy);
 
 /// Fills `proxy`, which has no more than `longest` voxels along an edge.
 DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& proxy);

@@ -13,7 +13,7 @@ constexpr size_t kGrain = 1 << 15;  // samples
 
 class RawCodec final : public Codec {
  public:
-  void encode(const SampleFrame& frame, const CodecSettings&, std::vector<std::byte>& payload) override {
+  void encode(const SampleFrame& frame, const CodecSettings&, ByteVector& payload) override {
     const size_t start = payload.size();
     payload.resize(start + frame.size() * kSampleBytes);
     parallelForRanges(frame.size(), kGrain, [&](size_t begin, size_t end) {
@@ -41,7 +41,7 @@ class RawCodec final : public Codec {
     return std::nullopt;
   }
 
-  void encodePlane(const SampleFrame&, const SamplePlane& plane, std::vector<std::byte>& payload) override {
+  void encodePlane(const SampleFrame&, const SamplePlane& plane, ByteVector& payload) override {
     payload.insert(payload.end(), plane.values.begin(), plane.values.end());
   }
 

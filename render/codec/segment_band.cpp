@@ -39,7 +39,7 @@ void SegmentBand::lay(const MaskShape& shape, std::span<const RaySegmentCount> r
   for (size_t k = 0; k < size; ++k) pixelOf_[k] = (layout_.rows[k] - shape.firstRow) * shape.width + layout_.columns[k];
 }
 
-void SegmentBand::pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, std::vector<std::byte>& out) {
+void SegmentBand::pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, ByteVector& out) {
   const FrameSegments& segments = frame.segments;
   const auto rays = std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
   const int layers = startRays(rays);
@@ -154,7 +154,7 @@ void SegmentBand::takeDepths(size_t size, int layer, BitReader& bits) {
   takeRests(endPlaces_, endCodes_, endRests_);
 }
 
-void SegmentBand::appendNormals(size_t size, std::vector<std::byte>& out) {
+void SegmentBand::appendNormals(size_t size, ByteVector& out) {
   for (const int shift : {0, 8}) {
     bytes_.resize(size);
     fine_.resize(size + 1);

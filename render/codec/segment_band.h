@@ -21,7 +21,7 @@ class SegmentBand {
   static constexpr size_t kMostBits = 4 * kMostTokenBits;
 
   /// Segments [begin, ...) of the frame are the band's, ray after ray.
-  void pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, std::vector<std::byte>& out);
+  void pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, ByteVector& out);
 
   /// Fills what the band's rays have of segments: a value for each of its pixels.
   bool takeRays(ByteReader& reader, const MaskShape& shape, std::span<RaySegmentCount> rays);
@@ -35,7 +35,7 @@ class SegmentBand {
   void takeDepths(size_t size, int layer, BitReader& bits);
   template <class F>
   void forEachPlace(size_t size, int layer, const F& f);
-  void appendNormals(size_t size, std::vector<std::byte>& out);
+  void appendNormals(size_t size, ByteVector& out);
   bool takeNormals(ByteReader& reader, size_t size);
 
   BandLayout layout_;

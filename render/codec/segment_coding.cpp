@@ -9,7 +9,7 @@
 #include "render/base/shared_pool.h"
 #include "render/codec/color_plane_coder.h"
 #include "render/codec/picture_bands.h"
-#include "render/codec/ray_pieces.h"
+#include "render/march/ray_pieces.h"
 #include "render/codec/segment_band.h"
 #include "render/codec/tiled/tiled_coder.h"
 #include "render/codec/tiled/tiled_segments.h"
@@ -37,7 +37,25 @@ std::vector<size_t> beginsOf(const PictureBands& bands, const SampleFrame& frame
   return segmentStarts(frame.segments.rays, size_t{frame.camera.width} * bands.rowCount(0));  // every band but the last has as many rows
 }
 
-void appendRaw(std::vector<std::byte>& out, const FrameSegments& segments) {
+/// What bytes say before all else.
+struct SegmentsHead {
+  Placement placement = Placement::depth;
+  ColorCoding color = ColorCoding::lossless;
+  bool hasNormals = false;
+};
+
+DecodeError takeHead(ByteReader& reader, const SampleFrame& frame, SegmentsHead& head) {
+  head.placement = static_cast<Placement>(reader.take<uint8_t>());
+  head.color = static_cast<ColorCoding>(reader.take<uint8_t>());
+  const auto hasNormals = reader.take<uint8_t>();
+  head.hasNormals = hasNormals == 1;
+  if (reader.ranOut()) return "the segments end before their head does";
+  if ((head.placement != Placement::depth && head.placement != kBorders) || nameOf(head.color) == "?" || hasNormals > 1) return "the segments have an unknown head";
+  if (head.placement != Placement::depth && !hasLattice(frame)) return "the segments need a usable camera and step";
+  return std::nullopt;
+}
+
+void appendRaw(ByteVector& out, const FrameSegments& segments) {
   const size_t start = out.size();
   out.resize(start + segments.sizeBytes());
   std::byte* at = out.data() + start;
@@ -128,43 +146,51 @@ void requireConsistentSegments(const SampleFrame& frame) {
   if (DecodeError error = whyInconsistentSegments(frame)) throw InputError(*error);
 }
 
-void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings) {
+void SegmentCoder::begin(const SampleFrame& frame, const CodecSettings& settings) {
+  placement_ = settings.format == PayloadFormat::raw ? Placement::depth : borderPlacementOf(frame);
+  if (settings.format == PayloadFormat::tiled) tiled_->beginToAppendSegments(frame, placement_);
+}
+
+void SegmentCoder::append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings) {
   const FrameSegments& segments = frame.segments;
-  const bool isRaw = settings.format == PayloadFormat::raw;
-  const Placement placement = isRaw ? Placement::depth : borderPlacementOf(frame);
-  appendLittle(out, static_cast<uint8_t>(placement));
+  appendLittle(out, static_cast<uint8_t>(placement_));
   appendLittle(out, static_cast<uint8_t>(settings.color));
   const bool hasNormals = frame.isAway ? frame.device->hasNormals() : !segments.normals.empty();
   appendLittle(out, static_cast<uint8_t>(hasNormals ? 1 : 0));
-  if (isRaw) return appendRaw(out, segments);
-  if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement);
+  if (settings.format == PayloadFormat::raw) return appendRaw(out, segments);
+  if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement_);
   const PictureBands bands(frame.camera);
   const std::vector<size_t> begins = beginsOf(bands, frame);
-  std::vector<std::vector<std::byte>> packed(bands.count());
+  std::vector<ByteVector> packed(bands.count());
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     const auto own = bands_->take();
     for (size_t band = from; band < to; ++band)
-      own->pack(frame, placement, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
+      own->pack(frame, placement_, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
   });
   appendLittle(out, hashOf(segments));
-  for (const std::vector<std::byte>& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));
-  for (const std::vector<std::byte>& band : packed) out.insert(out.end(), band.begin(), band.end());
+  for (const ByteVector& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));
+  for (const ByteVector& band : packed) out.insert(out.end(), band.begin(), band.end());
+}
+
+void SegmentCoder::beginToTake(std::span<const std::byte> bytes, PayloadFormat format, const SampleFrame& frame) {
+  ByteReader reader(bytes);
+  SegmentsHead head;
+  if (format == PayloadFormat::tiled && !takeHead(reader, frame, head)) tiled_->beginToTakeSegments(reader, head.hasNormals, frame);
 }
 
 DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame) {
   FrameSegments& segments = frame.segments;
   segments = {};
   ByteReader reader(bytes);
-  const auto placement = static_cast<Placement>(reader.take<uint8_t>());
-  const auto coding = static_cast<ColorCoding>(reader.take<uint8_t>());
-  const auto hasNormals = reader.take<uint8_t>();
-  if (reader.ranOut()) return "the segments end before their head does";
-  if ((placement != Placement::depth && placement != kBorders) || nameOf(coding) == "?" || hasNormals > 1) return "the segments have an unknown head";
-  if (placement != Placement::depth && !hasLattice(frame)) return "the segments need a usable camera and step";
-  if (format == PayloadFormat::tiled) return tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame);
+  SegmentsHead head;
+  if (DecodeError error = takeHead(reader, frame, head)) return error;
+  const Placement placement = head.placement;
+  const ColorCoding coding = head.color;
+  const bool hasNormals = head.hasNormals;
+  if (format == PayloadFormat::tiled) return tiled_->takeSegments(reader, placement, hasNormals, most, frame);
   segments.rays.resize(size_t{frame.camera.width} * frame.camera.height);
   if (format == PayloadFormat::raw) {
-    if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
+    if (DecodeError error = takeRaw(reader, hasNormals, most, frame)) return error;
     return whyInconsistentSegments(frame);
   }
   const PictureBands bands(frame.camera);
@@ -197,7 +223,7 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   if (count > most) return "the frame has more segments than are allowed";
   segments.depths.resize(count);
   segments.colors.resize(count);
-  segments.normals.resize(hasNormals == 1 ? count : 0);
+  segments.normals.resize(hasNormals ? count : 0);
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     const auto own = bands_->take();
     for (size_t band = from; band < to; ++band) {

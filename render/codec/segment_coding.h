@@ -15,6 +15,7 @@
 
 #include "render/base/shared_pool.h"
 #include "render/codec/codec.h"
+#include "render/march/pixel_places.h"
 
 namespace warpscope {
 
@@ -37,9 +38,13 @@ class SegmentCoder {
   explicit SegmentCoder(TiledCoderPtr coder);
   ~SegmentCoder();
 
+  /// Comes before append() of the same: a device may begin with it, and what else there is of the frame be begun as well.
+  void begin(const SampleFrame& frame, const CodecSettings& settings);
   /// Appends the frame's segments, which are consistent.
-  void append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings);
+  void append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings);
 
+  /// Comes before take() of the same, whether they are whole or not. The bytes must stay until then.
+  void beginToTake(std::span<const std::byte> bytes, PayloadFormat format, const SampleFrame& frame);
   /// Fills the frame's segments, at most `most`; its camera (whose picture has a usable size), quantisation and settings are known.
   DecodeError take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame);
 
@@ -49,6 +54,7 @@ class SegmentCoder {
  private:
   const std::shared_ptr<SharedPool<SegmentBand>> bands_;
   const TiledCoderPtr tiled_;
+  Placement placement_ = Placement::depth;  // of the frame that was begun
 };
 
 }  // namespace warpscope

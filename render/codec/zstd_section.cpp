@@ -43,7 +43,8 @@ bool isZero(std::span<const uint8_t> bytes) {
   return true;
 }
 
-void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes) {
+template <class Allocator>
+void appendSection(std::vector<std::byte, Allocator>& out, std::span<const uint8_t> bytes) {
   const size_t head = out.size();
   Kept kept = Kept::zeros;
   size_t length = 0;
@@ -61,6 +62,8 @@ void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes) 
   out.resize(head + 4 + length);
   storeLittle(out.data() + head, static_cast<uint32_t>(kept) << kLengthBits | static_cast<uint32_t>(length));
 }
+template void appendSection(ByteVector& out, std::span<const uint8_t> bytes);
+template void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
 
 bool takeSection(ByteReader& reader, std::span<uint8_t> bytes) {
   const auto word = reader.take<uint32_t>();

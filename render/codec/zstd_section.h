@@ -15,7 +15,10 @@ namespace warpscope {
 inline constexpr size_t kSectionHeadBytes = 4;
 
 /// Appends `bytes`, fewer than 2^29 of them, as at most kSectionHeadBytes more.
-void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
+template <class Allocator>
+void appendSection(std::vector<std::byte, Allocator>& out, std::span<const uint8_t> bytes);
+extern template void appendSection(ByteVector& out, std::span<const uint8_t> bytes);
+extern template void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
 
 /// Fills `bytes`. False, with any content, if what is there is not a section of just that length; never writes past the end.
 bool takeSection(ByteReader& reader, std::span<uint8_t> bytes);

@@ -79,10 +79,17 @@ class PinnedValue {
   T* value_ = nullptr;
 };
 
+/// Whose blocks begin where several streams have some.
+enum class Urgency { usual, first };
+
 /// A stream that waits for no other.
 class Stream {
  public:
-  Stream() { WARPSCOPE_CUDA_CHECK(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking)); }
+  explicit Stream(Urgency urgency = Urgency::usual) {
+    int least = 0, greatest = 0;
+    WARPSCOPE_CUDA_CHECK(cudaDeviceGetStreamPriorityRange(&least, &greatest));
+    WARPSCOPE_CUDA_CHECK(cudaStreamCreateWithPriority(&stream_, cudaStreamNonBlocking, urgency == Urgency::first ? greatest : least));
+  }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
   ~Stream() { cudaStreamDestroy(stream_); }

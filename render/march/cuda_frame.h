@@ -49,16 +49,12 @@ class CudaFrame final : public FrameOnDevice {
   CudaFrameBuffers& buffers() const { return memory_->buffers; }
   const CudaFrameSizes& sizes() const { return sizes_; }
   void setSizes(const CudaFrameSizes& sizes) { sizes_ = sizes; }
-  void setProbes(std::vector<PackedSample> samples, std::vector<FirstSegment> segments) {
-    probedSamples_ = std::move(samples);
-    probedSegments_ = std::move(segments);
-  }
+  void setPlacements(const FramePlacements& placements) { placements_ = placements; }
 
   size_t sampleCount() const override { return sizes_.samples; }
   size_t segmentCount() const override { return sizes_.segments; }
   bool hasNormals() const override { return sizes_.hasNormals; }
-  const std::vector<PackedSample>& probedSamples() const override { return probedSamples_; }
-  const std::vector<FirstSegment>& probedSegments() const override { return probedSegments_; }
+  FramePlacements placements() const override { return placements_; }
   void copyTo(SampleFrame& frame) const override;
   /// As that, in a stream of the caller's; `copied` is when all was there.
   void copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& copied) const;
@@ -66,8 +62,7 @@ class CudaFrame final : public FrameOnDevice {
  private:
   const CudaFramePool::Lease memory_;
   CudaFrameSizes sizes_;
-  std::vector<PackedSample> probedSamples_;
-  std::vector<FirstSegment> probedSegments_;
+  FramePlacements placements_;
 };
 
 }  // namespace warpscope

@@ -4,45 +4,49 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
-constexpr uint32_t kNoPixel = ~0u;  // of a ray without segments
-static_assert(kMostFrameProbes % kThreads == 0);
+constexpr unsigned kProbeThreads = kMostFrameProbes;  // one for each that there may be
 
-/// A thread for each that there may be.
-__global__ void __launch_bounds__(kThreads) findProbes(const PackedSample* samples, const uint32_t* sampleCount, PackedSample* found) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x, at = i * probeStride(*sampleCount);
-  if (at < *sampleCount) found[i] = samples[at];
+__global__ void __launch_bounds__(kProbeThreads) lookAtSamples(PathGrid paths, const PackedSample* samples, const uint32_t* sampleCount, SampleVotes* votes) {
+  const size_t count = *sampleCount, at = threadIdx.x * probeStride(count);
+  const bool isThere = at < count;
+  bool isOnStep = false, isOnHalfStep = false;
+  if (isThere) {
+    const PackedSample sample = samples[at];
+    const PixelPath path = paths.path(columnOf(sample), rowOf(sample));
+    isOnStep = isOnLattice(path, depthCode(sample), paths.step, paths.depthStep, false);
+    isOnHalfStep = isOnLattice(path, depthCode(sample), paths.step, paths.depthStep, true);
+  }
+  const auto votesFor = [](bool is) { return static_cast<uint32_t>(__syncthreads_count(is)); };
+  const SampleVotes all{votesFor(isThere), votesFor(isOnStep), votesFor(isOnHalfStep)};
+  if (threadIdx.x == 0) *votes = all;
 }
 
-__global__ void __launch_bounds__(kThreads)
-    findSegmentProbes(size_t rays, const RaySegmentCount* counts, const uint32_t* ends, const SegmentDepths* depths, FirstSegment* found) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x, pixel = i * probeStride(rays);
-  if (pixel >= rays) return;
-  const int own = counts[pixel].count();
-  found[i] = own > 0 ? FirstSegment{static_cast<uint32_t>(pixel), depths[ends[pixel] - static_cast<uint32_t>(own)].begin} : FirstSegment{kNoPixel, 0};
+__global__ void __launch_bounds__(kProbeThreads)
+    lookAtSegments(PathGrid paths, uint32_t width, size_t rays, const RaySegmentCount* counts, const uint32_t* ends, const SegmentDepths* depths, BorderVotes* votes) {
+  const size_t pixel = threadIdx.x * probeStride(rays);
+  const auto own = pixel < rays ? static_cast<uint32_t>(counts[pixel].count()) : 0;
+  bool isNear = false;
+  if (own > 0) {
+    const PixelPath path = paths.path(static_cast<uint32_t>(pixel) % width, static_cast<uint32_t>(pixel) / width);
+    isNear = isNearBorder(path, depths[ends[pixel] - own].begin, paths.step, paths.depthStep);
+  }
+  const auto votesFor = [](bool is) { return static_cast<uint32_t>(__syncthreads_count(is)); };
+  const BorderVotes all{votesFor(own > 0), votesFor(isNear)};
+  if (threadIdx.x == 0) *votes = all;
 }
-
-/// How many there are of so many.
-size_t probesOf(size_t count) { return (count + probeStride(count) - 1) / probeStride(count); }
 
 }  // namespace
 
-void DeviceProbes::ask(const CudaFrameBuffers& frame, const uint32_t* sampleCount, size_t rays, cudaStream_t stream) {
-  constexpr unsigned kBlocks = kMostFrameProbes / kThreads;
-  findProbes<<<kBlocks, kThreads, 0, stream>>>(frame.samples.data(), sampleCount, found_.data()->samples);
+void DeviceProbes::ask(const PathGrid& paths, uint32_t width, const CudaFrameBuffers& frame, const uint32_t* sampleCount, size_t rays, cudaStream_t stream) {
+  lookAtSamples<<<1, kProbeThreads, 0, stream>>>(paths, frame.samples.data(), sampleCount, &votes_.data()->samples);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   if (rays == 0) return;
-  findSegmentProbes<<<kBlocks, kThreads, 0, stream>>>(rays, frame.rays.data(), frame.ends.data(), frame.depths.data(), found_.data()->segments);
+  lookAtSegments<<<1, kProbeThreads, 0, stream>>>(paths, width, rays, frame.rays.data(), frame.ends.data(), frame.depths.data(), &votes_.data()->borders);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-void DeviceProbes::giveTo(CudaFrame& frame) const {
-  const CudaFrameSizes& sizes = frame.sizes();
-  std::vector<PackedSample> samples(found_->samples, found_->samples + probesOf(sizes.samples));
-  std::vector<FirstSegment> segments;
-  for (size_t i = 0; i < probesOf(sizes.rays); ++i)
-    if (found_->segments[i].pixel != kNoPixel) segments.push_back(found_->segments[i]);
-  frame.setProbes(std::move(samples), std::move(segments));
+FramePlacements DeviceProbes::placements(size_t segments) const {
+  return {votes_->samples.placement(), segments > 0 ? votes_->borders.placement() : Placement::depth};
 }
 
 }  // namespace warpscope

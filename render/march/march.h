@@ -140,7 +140,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
   };
   while (goesOn()) {
     int stop = wholeEnd;
-    if constexpr (kIsToldOfGroups<Gathered>) stop = Gathered::endOfGroup(i) < wholeEnd ? Gathered::endOfGroup(i) : wholeEnd;
+    if constexpr (kIsToldOfGroups<Gathered>) stop = minOf(Gathered::endOfGroup(i), wholeEnd);
     do {
       const int n = stop - i < Source::kBatch ? stop - i : Source::kBatch;
       uint32_t visible = source.classify(i, n);

@@ -76,7 +76,7 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    Found made = marchHere(camera, settings, false, stop);
+    Found made = marchHere(camera, settings, GoesTo::host, stop);
     copyStart_.record(stream_);
     made.found->copyTo(made.frame, stream_, copied_);
     made.frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
@@ -85,7 +85,7 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    Found made = marchHere(camera, settings, true, stop);
+    Found made = marchHere(camera, settings, GoesTo::coder, stop);
     if (made.found->sizes().hasLayers) made.frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
     if (made.found->sizes().hasSpreads) made.frame.planes.push_back({std::string(kSpreadPlane), PlaneElement::float32, {}});
     made.frame.device = std::move(made.found);
@@ -140,8 +140,9 @@ class CudaMarcher final : public Marcher {
     std::shared_ptr<CudaFrame> found;
     SampleFrame frame;  ///< all but what was found
   };
-  /// What there is then no longer changes. `isAway`: it is to be left there, with what tells its grid.
-  Found marchHere(const Camera& camera, const MarchSettings& settings, bool isAway, const std::stop_token& stop) {
+  enum class GoesTo { host, coder };
+  /// What there is then no longer changes. For a coder there are placements.
+  Found marchHere(const Camera& camera, const MarchSettings& settings, GoesTo goesTo, const std::stop_token& stop) {
     requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     Found result{std::make_shared<CudaFrame>(frames_), emptyFrame(*marched_->volume, camera, settings, rule)};
@@ -177,7 +178,7 @@ class CudaMarcher final : public Marcher {
     raySegments_.compact(found, &counts_.data()->segments, stream_);
     compacted_.record(stream_);
     const bool hasSegments = settings.sample.segments > 0;
-    if (isAway) probes_.ask(found, deviceCount_.data(), hasSegments ? pixels : 0, stream_);
+    if (goesTo == GoesTo::coder) probes_.ask(pathsOf(result.frame), camera.width, found, deviceCount_.data(), hasSegments ? pixels : 0, stream_);
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
 
@@ -187,11 +188,22 @@ class CudaMarcher final : public Marcher {
                             .hasLayers = slots > 1 && hasLayers(found.layers, counts_->samples),
                             .hasSpreads = sendsSpread,
                             .hasNormals = hasSegments && hasNormals});
-    if (isAway) probes_.giveTo(*result.found);
+    if (goesTo == GoesTo::coder) result.found->setPlacements(probes_.placements(counts_->segments));
     if (settings.sample.proxy > 0) result.frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     result.frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
     result.frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
     return result;
+  }
+
+  /// What the frame's rays share, with the device's noise.
+  PathGrid pathsOf(const SampleFrame& frame) {
+    PathGrid paths = pathGridOf(frame, Placement::steps);
+    if (paths.jitter.noise != nullptr) paths.jitter.noise = noiseHere();
+    return paths;
+  }
+  const float* noiseHere() {
+    if (noise_.data() == nullptr) noise_.upload(blueNoise(), stream_);
+    return noise_.data();
   }
 
   /// Whether any of the samples is behind another of its ray. Waits.
@@ -278,8 +290,7 @@ class CudaMarcher final : public Marcher {
       job.clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
       if (plan_->has(PlanStage::jitter)) {
         job.jitter = jitterFor(settings);
-        if (noise_.data() == nullptr) noise_.upload(blueNoise(), stream_);
-        job.jitter.noise = noise_.data();
+        job.jitter.noise = noiseHere();
       }
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);

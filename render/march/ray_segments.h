@@ -181,7 +181,7 @@ class OwnMergerMemory {
 
  private:
   RaySegment segments_[kMostMergerRoom];
-  uint32_t costs_[kMostMergerRoom];
+  uint32_t costs_[kMostMergerRoom] = {};  // also where there is no room: mergers are compared and sent as bytes
 };
 
 /// The order of up to 16 places, four bits each: in a register, where an array that is indexed would be in memory.

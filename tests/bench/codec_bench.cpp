@@ -101,7 +101,7 @@ void runCodec(benchmark::State& state, const std::string& scene, const Rays& ray
   const SampleFrame& made = frameOf(scene, rays);
   const SampleFrame frame = place == Place::device ? locked(made) : made;
   FrameCodec codec(place == Place::device ? makeCudaTiledCoder() : makeHostTiledCoder());
-  const std::vector<std::byte> payload = codec.encode(frame, settings);
+  const ByteVector payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);
   if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
   if (decoded.samples != frame.samples || decoded.planes != frame.planes || decoded.segments.rays != frame.segments.rays || decoded.segments.depths != frame.segments.depths)
@@ -127,7 +127,7 @@ void runCodec(benchmark::State& state, const std::string& scene, const Rays& ray
 
 void runPicture(benchmark::State& state, const std::string& scene, int quality) {
   const SampleFrame& frame = frameOf(scene, {{Heuristic::gradient}});
-  std::vector<std::byte> jpeg;
+  ByteVector jpeg;
   for (auto _ : state) jpeg = encodeFramePicture(frame, glm::vec3(0.0f), quality);
   state.counters["bytes"] = static_cast<double>(jpeg.size());
 }

@@ -7,6 +7,7 @@
 #include "app/frames/color_bytes.h"
 #include "net/client.h"
 #include "render/base/error.h"
+#include "render/codec/payload_hash.h"
 #include "tests/fuzz/client_session.h"
 #include "tests/fuzz/memory_stream.h"
 

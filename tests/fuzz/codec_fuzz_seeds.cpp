@@ -15,7 +15,7 @@ namespace {
 
 /// False if the fuzzer would read something else of it than the frame.
 bool writeSeed(const std::filesystem::path& path, const SampleFrame& frame, const CodecSettings& settings) {
-  const std::vector<std::byte> seed = codecInput(frame, settings.format, FrameCodec().encode(frame, settings));
+  const ByteVector seed = codecInput(frame, settings.format, FrameCodec().encode(frame, settings));
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
   const CodecInput input = readCodecInput(seed);

@@ -9,13 +9,14 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/codec.h"
+#include "render/codec/payload_hash.h"
 
 namespace warpscope {
 
 struct CodecInput {
   SampleFrame head;
   size_t count = 0;
-  std::vector<std::byte> payload;  ///< its hash is right, so that what lies behind it is reached
+  ByteVector payload;  ///< its hash is right, so that what lies behind it is reached
 };
 
 inline constexpr size_t kPayloadHeadBytes = 1 + 8;  ///< format and hash
@@ -56,8 +57,8 @@ inline CodecInput readCodecInput(std::span<const std::byte> bytes) {
 }
 
 /// What readCodecInput() makes that frame and that payload of.
-inline std::vector<std::byte> codecInput(const SampleFrame& frame, PayloadFormat format, std::span<const std::byte> payload) {
-  std::vector<std::byte> bytes;
+inline ByteVector codecInput(const SampleFrame& frame, PayloadFormat format, std::span<const std::byte> payload) {
+  ByteVector bytes;
   const auto append = [&bytes](auto value) { appendLittle(bytes, static_cast<uint8_t>(value)); };
   append(format);
   append(frame.settings.sample.samplesPerRay - 1);

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <span>
 
 #include "app/frames/color_bytes.h"
 #include "tests/frame_samples.h"
@@ -14,7 +15,7 @@ namespace {
 using namespace warpscope;
 using net::Bytes;
 
-void add(Bytes& to, const Bytes& bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
+void add(Bytes& to, std::span<const std::byte> bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
 
 SampleFrame madeUp(const AskedInFuzzing& asked) {
   SampleFrame frame;
@@ -71,7 +72,7 @@ int main(int argc, char** argv) {
     add(said, net::processesMessage(std::vector<net::ProcessFields>(2)));
     add(said, net::beatMessage(net::MessageType::ping, 5));
     net::FrameHead head;
-    Bytes payload;
+    ByteVector payload;
     if (asked.wanted == net::Wanted::samples) {
       const SampleFrame frame = madeUp(asked);
       head = headOf(frame, asked.codec);

@@ -33,7 +33,7 @@ class CodecOnDevice : public testing::Test {
   }
 
   void expectSame(const SampleFrame& frame, const std::string& what) {
-    const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
+    const ByteVector payload = FrameCodec().encode(frame, kTiled);
     EXPECT_TRUE(onDevice_->encode(frame, kTiled) == payload) << what;
     EXPECT_EQ(onDevice_->bytes().segments > 0, frame.settings.sample.segments > 0) << what;
     SampleFrame decoded = headOf(frame);
@@ -111,7 +111,7 @@ TEST_F(CodecOnDevice, FramesThatStayedThere) {
   settings[6].render.effects.clip.planes = parseClipPlanes("1,0,0,1e6", "it");  // nothing is left
   settings[6].sample.segments = 2;
   SampleFrame held;  // others are marched meanwhile
-  std::vector<std::byte> payloadOfHeld;
+  ByteVector payloadOfHeld;
   for (const MarchSettings& own : settings)
     for (const auto& [width, height] : {std::pair(530u, 310u), std::pair(31u, 77u), std::pair(1u, 1u)}) {
       const Camera camera = cornerCamera(*shells(), width, height);
@@ -138,7 +138,7 @@ TEST_F(CodecOnDevice, TechniquesGoOnWithWhatWasDecodedThere) {
   std::vector<std::shared_ptr<SampleFrame>> frames;
   for (const MarchSettings& settings : {plain, segments, lit, segments, plain}) {
     const SampleFrame frame = marcher->march(cornerCamera(*shells(), 200 + 40 * static_cast<uint32_t>(frames.size()), 150), settings);
-    const std::vector<std::byte> payload = onDevice_->encode(frame, kTiled);
+    const ByteVector payload = onDevice_->encode(frame, kTiled);
     const auto& decoded = frames.emplace_back(std::make_shared<SampleFrame>(headOf(frame)));
     ASSERT_EQ(onDevice_->decode(payload, frame.size(), *decoded), std::nullopt);
     EXPECT_NE(decoded->device, nullptr);
@@ -169,9 +169,9 @@ TEST_F(CodecOnDevice, DamageIsFoundAsTheHostFindsIt) {
   settings.sample.segments = 3;
   const SampleFrame frames[] = {smallLayeredFrame(), marched(shells(), {}, 300, 60), marched(shells(), settings, 290, 50)};
   for (const SampleFrame& frame : frames) {
-    const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
+    const ByteVector payload = FrameCodec().encode(frame, kTiled);
     for (int round = 0; round < 400; ++round) {
-      std::vector<std::byte> damaged = payload;
+      ByteVector damaged = payload;
       const size_t from = round % 4 == 0 ? 9 + random() % (damaged.size() - 9) : 9 + random() % std::min<size_t>(damaged.size() - 9, 1500);
       if (round % 7 == 0)
         damaged.resize(from);
@@ -192,7 +192,7 @@ TEST_F(CodecOnDevice, SegmentsOutOfOrderAreRefusedAsTheHostRefusesThem) {
   for (const size_t every : {size_t{1}, size_t{1000}}) {
     SampleFrame wrong = frame;
     for (size_t i = 0; i < wrong.segments.size(); i += every) std::swap(wrong.segments.depths[i].begin, wrong.segments.depths[i].end);
-    std::vector<std::byte> bytes;
+    ByteVector bytes;
     makeHostTiledCoder()->appendSegments(bytes, wrong, Placement::depth);
     for (const TiledCoderPtr& coder : {makeHostTiledCoder(), makeCudaTiledCoder()}) {
       SampleFrame back = headOf(frame);
@@ -227,7 +227,7 @@ TEST_F(CodecOnDevice, CodersOfManyThreads) {
   MarchSettings settings;
   settings.sample.segments = 3;
   const SampleFrame frames[] = {marched(shells(), settings, 400, 300), marched(shells(), {}, 90, 700), garbageFrame(333, 222, 5000, 1)};
-  std::vector<std::vector<std::byte>> payloads;
+  std::vector<ByteVector> payloads;
   for (const SampleFrame& frame : frames) payloads.push_back(FrameCodec().encode(frame, kTiled));
   std::atomic<int> wrong = 0;
   std::vector<std::thread> threads;

@@ -62,7 +62,13 @@ WARPSCOPE_HD inline uint16_t ansRounded(uint32_t count, uint64_t total) {
   const uint64_t share = (uint64_t{count} * kAnsScale + total / 2) / total;
   return static_cast<uint16_t>(share == 0 ? 1 : share);
 }
-/// Makes such frequencies, of which some symbol has one, kAnsScale in all: the most frequent symbols bear best what rounding has left over or taken too much.
+/// What the most frequent of such frequencies, which add up to `sum`, becomes: it bears best what rounding has left over or taken too much.
+WARPSCOPE_HD inline uint16_t ansEvener(uint16_t most, uint32_t sum) {
+  if (sum < kAnsScale) return static_cast<uint16_t>(most + (kAnsScale - sum));
+  const uint32_t give = (most + 3u) / 4;
+  return static_cast<uint16_t>(most - (give < sum - kAnsScale ? give : sum - kAnsScale));
+}
+/// Makes such frequencies, of which some symbol has one, kAnsScale in all.
 WARPSCOPE_HD inline void ansEven(uint16_t* frequencies) {
   uint32_t sum = 0;
   for (uint32_t s = 0; s < kAnsSymbols; ++s) sum += frequencies[s];
@@ -70,14 +76,9 @@ WARPSCOPE_HD inline void ansEven(uint16_t* frequencies) {
     uint32_t most = 0;
     for (uint32_t s = 1; s < kAnsSymbols; ++s)
       if (frequencies[s] > frequencies[most]) most = s;
-    if (sum < kAnsScale) {
-      frequencies[most] = static_cast<uint16_t>(frequencies[most] + (kAnsScale - sum));
-      sum = kAnsScale;
-    } else {
-      const uint32_t give = (frequencies[most] + 3u) / 4, less = give < sum - kAnsScale ? give : sum - kAnsScale;
-      frequencies[most] = static_cast<uint16_t>(frequencies[most] - less);
-      sum -= less;
-    }
+    const uint16_t evener = ansEvener(frequencies[most], sum);
+    sum = sum - frequencies[most] + evener;
+    frequencies[most] = evener;
   }
 }
 

@@ -147,7 +147,7 @@ void AnsWriter::putNumbers(const AnsWriterModel& model, std::span<const uint32_t
   first_ -= static_cast<size_t>(before - at);
 }
 
-void AnsWriter::finish(std::vector<std::byte>& out) const {
+void AnsWriter::finish(ByteVector& out) const {
   const size_t words = words_.size() - first_, start = out.size();
   if (words == 0 && std::ranges::all_of(states_, [](uint32_t state) { return state == kAnsLow; })) return;
   out.resize(start + kAnsStateBytes + kWord * words);

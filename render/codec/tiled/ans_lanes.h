@@ -34,7 +34,7 @@ class AnsWriter {
   /// Numbers whose tokens (tokens.h) the model has.
   void putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers);
   /// Appends the stream: nothing if no symbol took any bits.
-  void finish(std::vector<std::byte>& out) const;
+  void finish(ByteVector& out) const;
 
  private:
   uint16_t* reserve(size_t words);

@@ -3,6 +3,7 @@
 #include "render/codec/tiled/ans_model.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace warpscope {
@@ -41,13 +42,16 @@ void AnsModel::cumulate() {
   }
 }
 
-void AnsModel::append(std::vector<std::byte>& out) const {
-  appendLittle(out, constant_);  // the highest one
+void AnsModel::append(ByteVector& out) const {
+  std::array<std::byte, 1 + 2 * kAnsSymbols> bytes;
+  size_t count = 0;
+  bytes[count++] = std::byte{constant_};  // the highest one
   for (uint32_t s = 0; s <= constant_; ++s) {
     const uint16_t frequency = frequencies_[s];
-    if (frequency >= kTwoBytes) appendLittle(out, static_cast<uint8_t>(kTwoBytes | frequency >> 8));
-    appendLittle(out, static_cast<uint8_t>(frequency));
+    if (frequency >= kTwoBytes) bytes[count++] = static_cast<std::byte>(kTwoBytes | frequency >> 8);
+    bytes[count++] = static_cast<std::byte>(frequency);
   }
+  out.insert(out.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
 bool AnsModel::take(ByteReader& reader) {

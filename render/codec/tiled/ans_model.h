@@ -22,7 +22,7 @@ class AnsModel {
   static AnsModel ofFrequencies(std::span<const uint16_t, kAnsSymbols> frequencies);
 
   /// The highest symbol, then each one's frequency: below 128 in one byte, else in two.
-  void append(std::vector<std::byte>& out) const;
+  void append(ByteVector& out) const;
   /// False if what is there is not a model.
   bool take(ByteReader& reader);
 

@@ -14,11 +14,12 @@ struct SampleView;
 /// In two steps, between which the device works: begin, and append or take, of the same frame.
 class CudaSampleTiles : public CudaTiles {
  public:
+  CudaSampleTiles() : CudaTiles(cuda::Urgency::usual) {}
+
   /// False for a frame that is not for a device: without tiles, or with more bytes than it counts.
   static bool takes(const SampleFrame& frame);
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
-  void append(std::vector<std::byte>& out) { appendHashed(out); }
 
   /// `count` samples, to `held` as well; both it and the bytes must stay until take().
   DecodeError beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held);

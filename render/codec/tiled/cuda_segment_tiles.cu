@@ -32,12 +32,13 @@ SegmentView CudaSegmentTiles::viewOf(const SampleFrame& frame, Placement placeme
 
 void CudaSegmentTiles::hash(const SegmentView& segments) {
   clearHash();
-  hashSegments<<<cuda::blocksFor(std::max(segments.pixels, segments.count), kThreads), kThreads, 0, stream_>>>(segments, hash_.data());
+  constexpr unsigned kMostBlocks = 1024;  // each ends with additions to one word, which wait for one another
+  hashSegments<<<std::min(kMostBlocks, cuda::blocksFor(std::max(segments.pixels, segments.count), kThreads)), kThreads, 0, stream_>>>(segments, hash_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   fetchHash();
 }
 
-void CudaSegmentTiles::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
+void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placement) {
   const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
   const CudaFrame* const there = CudaFrame::ofAway(frame);
   CudaFrameBuffers& held = there != nullptr ? there->buffers() : uploaded_;
@@ -53,7 +54,6 @@ void CudaSegmentTiles::append(std::vector<std::byte>& out, const SampleFrame& fr
   sheet_.begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
   const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
   const SegmentView own = viewOf(frame, placement, pixels, count, roomIn(held, pixels, count, hasNormals));
-  hash(own);
   countRays<<<cuda::blocksFor(own.pixels, kThreads), kThreads, 0, stream_>>>(own, view);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   sheet_.count();
@@ -63,21 +63,25 @@ void CudaSegmentTiles::append(std::vector<std::byte>& out, const SampleFrame& fr
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   putFronts(view, own.jobs(), stream_);
   sheet_.write();
-  appendHashed(out);
+  hash(own);
 }
 
-DecodeError CudaSegmentTiles::take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held) {
-  FrameSegments& segments = frame.segments;
-  const auto hashSent = reader.take<uint64_t>();
+DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, bool hasNormals, const SampleFrame& frame, CudaFrame& held) {
+  hashSent_ = reader.take<uint64_t>();
   const TileGrid grid{frame.camera.width, frame.camera.height};
   const auto layers = static_cast<uint32_t>(std::clamp(frame.settings.sample.segments, 0, static_cast<int>(kSegmentsRange.highest)));
   if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
   sheet_.begin(grid, segmentForm(hasNormals), layers, false);
   if (!sheet_.upload(head_)) return kDamagedTiles;
-  const size_t pixels = size_t{grid.width} * grid.height;
-  sheet_.takeShapes(std::min(layers, head_.layers), roomIn(held.buffers(), pixels, 0, hasNormals).rays);
+  sheet_.takeShapes(std::min(layers, head_.layers), roomIn(held.buffers(), size_t{grid.width} * grid.height, 0, hasNormals).rays);
   sheet_.count();
   sheet_.askForReport();
+  return std::nullopt;
+}
+
+DecodeError CudaSegmentTiles::take(Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held) {
+  FrameSegments& segments = frame.segments;
+  const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
   const SheetReport report = sheet_.report();
   const size_t count = report.values;
   if ((report.flags & kDamagedShapes) != 0) return "what rays have of segments is damaged";
@@ -103,7 +107,7 @@ DecodeError CudaSegmentTiles::take(ByteReader& reader, Placement placement, bool
   if (hasNormals) download(segments.normals.data(), own.normals, count);
   const uint32_t flags = sheet_.report().flags;
   if ((flags & ~kDisordered) != 0) return "a tile of segments is damaged";
-  if (*hashOnHost_.data() != hashSent) return kOtherSegments;
+  if (*hashOnHost_.data() != hashSent_) return kOtherSegments;
   if (flags != 0) return kDisorderedSegments;
   CudaFrameSizes sizes = held.sizes();
   sizes.rays = pixels;

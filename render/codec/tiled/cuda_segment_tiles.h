@@ -11,14 +11,19 @@ namespace warpscope {
 
 struct SegmentView;
 
+/// In two steps, between which the device works: begin, and append or take, of the same frame.
 class CudaSegmentTiles : public CudaTiles {
  public:
+  CudaSegmentTiles() : CudaTiles(cuda::Urgency::first) {}  // a frame's samples are done sooner
+
   /// False for a frame that is not for a device: without segments, or with more bytes than it counts.
   static bool takes(const SampleFrame& frame);
 
-  void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement);
+  void beginToAppend(const SampleFrame& frame, Placement placement);
+  /// What rays of `held` have; both it and the bytes must stay until take().
+  DecodeError beginToTake(ByteReader& reader, bool hasNormals, const SampleFrame& frame, CudaFrame& held);
   /// Fills the frame's segments, at most `most`, and those of `held`.
-  DecodeError take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held);
+  DecodeError take(Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held);
 
  private:
   struct Memory {
@@ -32,6 +37,7 @@ class CudaSegmentTiles : public CudaTiles {
   void hash(const SegmentView& segments);
 
   CudaFrameBuffers uploaded_;  // of frames that are not on the device
+  uint64_t hashSent_ = 0;      // of what is taken
 };
 
 }  // namespace warpscope

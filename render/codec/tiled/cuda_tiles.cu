@@ -22,11 +22,12 @@ void CudaTiles::clearHash() { WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(hash_.data(),
 
 void CudaTiles::fetchHash() { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hashOnHost_.data(), hash_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_)); }
 
-void CudaTiles::appendHashed(std::vector<std::byte>& out) {
+SummedWords CudaTiles::append(ByteVector& out) {
   const size_t hashAt = out.size();
   appendLittle(out, uint64_t{0});
-  sheet_.append(out);
+  const SummedWords summed = sheet_.append(out);  // waits for all
   storeLittle(out.data() + hashAt, *hashOnHost_.data());
+  return summed;
 }
 
 }  // namespace warpscope

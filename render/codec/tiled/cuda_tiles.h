@@ -24,7 +24,12 @@ class CudaTiles {
   /// Waits for what is under way, whether the device can or not: memory of the host is free again.
   void wait() noexcept { cudaStreamSynchronize(stream_); }
 
+  /// What was begun, to a payload. Waits. Of the words that are summed the device knows what they add up to.
+  SummedWords append(ByteVector& out);
+
  protected:
+  explicit CudaTiles(cuda::Urgency urgency) : stream_(urgency) {}
+
   static constexpr unsigned kThreads = 256;
 
   template <class T>
@@ -42,9 +47,6 @@ class CudaTiles {
   void clearHash();
   /// To hashOnHost_, when the stream has got there.
   void fetchHash();
-  /// That hash, and the sheet that was written. Waits.
-  void appendHashed(std::vector<std::byte>& out);
-
   const cuda::Stream stream_;
   DeviceSheet sheet_{stream_};
   SheetHead head_;

@@ -2,11 +2,11 @@
 // See device_sheet.h.
 #include "render/codec/tiled/device_sheet.h"
 
-#include <cub/device/device_scan.cuh>
-
 #include <algorithm>
 #include <cstring>
 
+#include "render/codec/tiled/block_sums.cuh"
+#include "render/codec/tiled/device_hash.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/tile_threads.cuh"
 #include "render/cuda/pinned_memory.h"
@@ -31,8 +31,12 @@ __global__ void __launch_bounds__(kCodedTileWidth) countTiles(SheetView view, ui
   const uint32_t x = threadIdx.x;
   for (uint32_t i = x; i < kMostLayers * kCodedTileHeight; i += kCodedTileWidth) sizes[i / kCodedTileHeight][i % kCodedTileHeight] = 0;
   __syncthreads();
-  for (uint32_t y = 0; y < rect.height; ++y) {
-    const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
+  uint32_t counts[kCodedTileHeight];  // one load does not wait for another
+#pragma unroll
+  for (uint32_t y = 0; y < kCodedTileHeight; ++y) counts[y] = x < rect.width && y < rect.height ? view.counts[view.pixel(rect, x, y)] : 0;
+#pragma unroll
+  for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
+    const uint32_t count = counts[y];
     for (uint32_t layer = 0; layer < view.layers; ++layer) {
       const uint32_t covered = __popc(__ballot_sync(kAllLanes, count > layer));
       if (covered == 0) break;
@@ -55,6 +59,17 @@ __global__ void __launch_bounds__(kCodedTileWidth) countTiles(SheetView view, ui
     view.begins[stream] = size;
     if (size > 0) atomicMax(layersUsed, x + 1);
   }
+}
+
+constexpr int kSumThreads = 1024;
+
+/// A block for each of two arrays, of sizes, which become where each begins.
+__global__ void __launch_bounds__(kSumThreads) findBegins(uint32_t* streams, uint32_t streamCount, uint32_t* rows, uint32_t rowCount) {
+  BlockSums<kSumThreads> sums;
+  if (blockIdx.x == 0)
+    sums.ofArray(streams, streams, streamCount);
+  else
+    sums.ofArray(rows, rows, rowCount);
 }
 
 /// What the byte of a mask at a place is.
@@ -131,27 +146,19 @@ __global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint
 
 /// A block for each model.
 __global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, WriterShare* shares) {
-  __shared__ uint16_t own[kAnsSymbols];
-  __shared__ uint32_t warpTotals[kAnsSymbols / 32], starts[kAnsSymbols];
+  BlockSums<kAnsSymbols> sums;
   const uint32_t symbol = threadIdx.x, count = histograms[blockIdx.x * kAnsSymbols + symbol];
-  const uint32_t warpTotal = __reduce_add_sync(kAllLanes, count);
-  if (symbol % 32 == 0) warpTotals[symbol / 32] = warpTotal;
-  __syncthreads();
-  uint64_t total = 0;
-  for (const uint32_t each : warpTotals) total += each;
-  own[symbol] = total > 0 ? ansRounded(count, total) : 0;
-  __syncthreads();
-  if (symbol == 0) {
-    if (total > 0) ansEven(own);
-    uint32_t start = 0;
-    for (uint32_t s = 0; s < kAnsSymbols; ++s) {
-      starts[s] = start;
-      start += own[s];
-    }
+  uint32_t total, sum;
+  sums.before(count, total);
+  uint16_t own = total > 0 ? ansRounded(count, total) : 0;
+  uint32_t start = sums.before(own, sum);
+  while (total > 0 && sum != kAnsScale) {  // ansEven(), by all threads
+    const uint32_t first = kAnsSymbols - 1 - symbol, most = sums.greatest(uint32_t{own} * kAnsSymbols + first);  // of equals the first
+    if (most % kAnsSymbols == first) own = ansEvener(own, sum);
+    start = sums.before(own, sum);
   }
-  __syncthreads();
-  frequencies[blockIdx.x * kAnsSymbols + symbol] = own[symbol];
-  shares[blockIdx.x * kAnsSymbols + symbol] = WriterShare::of({starts[symbol], own[symbol]});
+  frequencies[blockIdx.x * kAnsSymbols + symbol] = own;
+  shares[blockIdx.x * kAnsSymbols + symbol] = WriterShare::of({start, own});
 }
 
 /// A warp for each stream. Words go to the end of the stream's room.
@@ -199,6 +206,36 @@ __global__ void __launch_bounds__(32) writeStreams(SheetView view, const WriterS
   lengths[stream] = isEmpty ? 0 : static_cast<uint32_t>(kAnsStateBytes + 2 * (end - writer.begin()));
 }
 
+/// What the host is told before streams, one behind the other: frequencies of models, lengths of streams, how many bytes they have in all, layers that there are, and
+/// how many streams each tile has.
+struct SheetHeads {
+  uint32_t models, streams, tiles;
+
+  __host__ __device__ size_t lengthsAt() const { return size_t{models} * kAnsSymbols * sizeof(uint16_t); }
+  __host__ __device__ size_t totalsAt() const { return lengthsAt() + size_t{streams} * sizeof(uint32_t); }
+  __host__ __device__ size_t tilesAt() const { return totalsAt() + 2 * sizeof(uint32_t); }
+  __host__ __device__ size_t bytes() const { return tilesAt() + tiles; }
+
+  static SheetHeads of(const SheetView& view) { return {view.models(), view.tiles() * view.layers, view.tiles()}; }
+};
+
+/// One block finds where streams begin among all, and writes to the host's memory: what waits for a copy more waits longer.
+__global__ void __launch_bounds__(kSumThreads) tellHeads(SheetHeads heads, const uint16_t* frequencies, const uint32_t* lengths, uint32_t* offsets, const uint32_t* layers,
+                                                        const uint8_t* streamsOfTiles, std::byte* told) {
+  BlockSums<kSumThreads> sums;
+  sums.ofArray(lengths, offsets, heads.streams);
+  const auto tell = [&](const auto* from, size_t at, uint32_t count) {
+    auto* const to = reinterpret_cast<std::remove_cvref_t<decltype(*from)>*>(told + at);
+    for (uint32_t i = threadIdx.x; i < count; i += kSumThreads) to[i] = from[i];
+  };
+  tell(reinterpret_cast<const uint32_t*>(frequencies), 0, heads.models * kAnsSymbols / 2);
+  tell(lengths, heads.lengthsAt(), heads.streams);
+  tell(streamsOfTiles, heads.tilesAt(), heads.tiles);
+  __syncthreads();
+  tell(offsets + heads.streams, heads.totalsAt(), 1);
+  tell(layers, heads.totalsAt() + sizeof(uint32_t), 1);
+}
+
 /// A block for each stream.
 __global__ void gatherStreams(SheetView view, const uint16_t* words, const uint32_t* wordCounts, const uint32_t* states, const uint32_t* lengths, const uint32_t* offsets,
                               uint16_t* out) {
@@ -208,6 +245,18 @@ __global__ void gatherStreams(SheetView view, const uint16_t* words, const uint3
   const uint16_t* const from = words + endOfRoom(view, stream) - wordCounts[stream];
   if (threadIdx.x < 2 * kAnsLanes) own[threadIdx.x] = static_cast<uint16_t>(states[stream * kAnsLanes + threadIdx.x / 2] >> 16 * (threadIdx.x % 2));
   for (uint32_t i = threadIdx.x; i < wordCounts[stream]; i += blockDim.x) own[2 * kAnsLanes + i] = from[i];
+}
+
+/// Words of a payload whose first is `skipped` bytes behind `first`, which is aligned.
+__global__ void sumWords(const uint32_t* first, uint32_t skipped, SummedWords words, unsigned long long* sum) {
+  uint64_t own = 0;
+  for (size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x; i < words.count(); i += size_t{gridDim.x} * blockDim.x) {
+    const uint32_t shift = skipped % 4 * 8;
+    const uint32_t* const at = first + skipped / 4 + 2 * i;
+    const uint32_t lower = at[0], upper = at[1], behind = shift > 0 ? at[2] : 0;
+    own += placedHash(__funnelshift_r(lower, upper, shift) | uint64_t{__funnelshift_r(upper, behind, shift)} << 32, words.begin + i);
+  }
+  addHash(own, sum);
 }
 
 }  // namespace
@@ -228,7 +277,7 @@ const SheetView& DeviceSheet::begin(const TileGrid& grid, const SheetForm& form,
   constexpr size_t kFlags = 2;  // SheetFlag; layers that there are
   flags_.reserve(kFlags);
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(flags_.data(), 0, kFlags * sizeof(uint32_t), stream_));
-  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(counts_.data(), 0, pixels, stream_));
+  if (hasMasks) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(counts_.data(), 0, pixels, stream_));  // else each pixel gets its own
   view_.counts = counts_.data();
   view_.begins = begins_.data();
   view_.rowBegins = rowBegins_.data();
@@ -251,12 +300,8 @@ const SheetView& DeviceSheet::reserveValues(uint32_t values) {
 void DeviceSheet::count() {
   countTiles<<<view_.tiles(), kCodedTileWidth, 0, stream_>>>(view_, view_.flags + 1);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  const auto scan = [&](uint32_t* values, size_t count) {
-    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(values + count, 0, sizeof(uint32_t), stream_));
-    cuda::withScratch(scratch_, [&](void* scratch, size_t& bytes) { return cub::DeviceScan::ExclusiveSum(scratch, bytes, values, values, static_cast<int>(count + 1), stream_); });
-  };
-  scan(view_.begins, size_t{view_.tiles()} * view_.layers);
-  scan(view_.rowBegins, size_t{view_.grid.height} * view_.grid.columns());
+  findBegins<<<2, kSumThreads, 0, stream_>>>(view_.begins, view_.tiles() * view_.layers, view_.rowBegins, view_.grid.height * view_.grid.columns());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
 void DeviceSheet::makeMasks() {
@@ -274,11 +319,11 @@ void DeviceSheet::write() {
   shares_.reserve(size_t{models} * kAnsSymbols);
   states_.reserve(size_t{streams} * kAnsLanes);
   wordCounts_.reserve(streams);
-  lengths_.reserve(streams + 1);
+  lengths_.reserve(streams);
   offsets_.reserve(streams + 1);
   const size_t room = size_t{view_.values} * valueWords(view_.form) + size_t{view_.tiles()} * shapeWords(view_.form) + size_t{streams} * 2;
   words_.reserve(room);
-  packed_.reserve(room + size_t{streams} * 2 * kAnsLanes);
+  packed_.reserve(room + size_t{streams} * 2 * kAnsLanes + 2);  // words that are summed are looked at four bytes at once
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(histograms_.data(), 0, size_t{models} * kAnsSymbols * sizeof(uint32_t), stream_));
   countSymbols<<<dim3(streams, view_.form.shapes + view_.form.planes()), kAnsSymbols, 0, stream_>>>(view_, histograms_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -286,39 +331,26 @@ void DeviceSheet::write() {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   writeStreams<<<streams, 32, 0, stream_>>>(view_, shares_.data(), words_.data(), wordCounts_.data(), states_.data(), lengths_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(lengths_.data() + streams, 0, sizeof(uint32_t), stream_));
-  cuda::withScratch(scratch_, [&](void* scratch, size_t& bytes) {
-    return cub::DeviceScan::ExclusiveSum(scratch, bytes, lengths_.data(), offsets_.data(), static_cast<int>(streams + 1), stream_);
-  });
+  // Heads first: they say how much is behind, and the host works at them while streams are put together.
+  const SheetHeads heads = SheetHeads::of(view_);
+  host_.resize(heads.bytes());
+  tellHeads<<<1, kSumThreads, 0, stream_>>>(heads, frequencies_.data(), lengths_.data(), offsets_.data(), view_.flags + 1, view_.streams, host_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  told_.record(stream_);
   gatherStreams<<<streams, 256, 0, stream_>>>(view_, words_.data(), wordCounts_.data(), states_.data(), lengths_.data(), offsets_.data(), packed_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  // Heads first: they say how much is behind.
-  const size_t frequencyBytes = size_t{models} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
-  host_.resize(frequencyBytes + lengthBytes + 2 * sizeof(uint32_t) + view_.tiles());
-  std::byte* at = host_.data();
-  const auto fetch = [&](const void* from, size_t bytes) {
-    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(at, from, bytes, cudaMemcpyDeviceToHost, stream_));
-    at += bytes;
-  };
-  fetch(frequencies_.data(), frequencyBytes);
-  fetch(lengths_.data(), lengthBytes);
-  fetch(offsets_.data() + streams, sizeof(uint32_t));
-  fetch(view_.flags + 1, sizeof(uint32_t));
-  fetch(view_.streams, view_.tiles());
 }
 
-void DeviceSheet::append(std::vector<std::byte>& out) {
-  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
-  const uint32_t streams = view_.tiles() * view_.layers;
-  const size_t frequencyBytes = size_t{view_.models()} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
-  const std::byte* const at = host_.data() + frequencyBytes;
-  std::vector<uint32_t> lengths(streams);
-  std::memcpy(lengths.data(), at, lengthBytes);
-  uint32_t packedBytes, layers;
-  std::memcpy(&packedBytes, at + lengthBytes, sizeof packedBytes);
-  std::memcpy(&layers, at + lengthBytes + sizeof packedBytes, sizeof layers);
-  std::vector<uint8_t> ofTiles(view_.tiles());
-  std::memcpy(ofTiles.data(), at + lengthBytes + 2 * sizeof(uint32_t), ofTiles.size());
+SummedWords DeviceSheet::append(ByteVector& out) {
+  told_.synchronize();
+  const SheetHeads heads = SheetHeads::of(view_);
+  std::vector<uint32_t> lengths(heads.streams);
+  std::memcpy(lengths.data(), host_.data() + heads.lengthsAt(), heads.streams * sizeof(uint32_t));
+  std::array<uint32_t, 2> totals;
+  std::memcpy(totals.data(), host_.data() + heads.totalsAt(), sizeof totals);
+  const auto [packedBytes, layers] = totals;
+  std::vector<uint8_t> ofTiles(heads.tiles);
+  std::memcpy(ofTiles.data(), host_.data() + heads.tilesAt(), ofTiles.size());
   std::vector<AnsModel> ansModels;
   std::array<uint16_t, kAnsSymbols> frequencies;
   for (uint32_t model = 0; model < view_.form.shapes + layers * view_.form.planes(); ++model) {
@@ -329,10 +361,21 @@ void DeviceSheet::append(std::vector<std::byte>& out) {
   for (uint32_t tile = 0; tile < view_.tiles(); ++tile)
     for (uint32_t layer = 0; layer < ofTiles[tile]; ++layer) used.push_back(lengths[tile * view_.layers + layer]);
   appendSheetHead(out, layers, ansModels, ofTiles, used);
-  host_.resize(packedBytes);
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(host_.data(), packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
+  const size_t at = out.size();
+  SummedWords summed = SummedWords::within(at, packedBytes);
+  out.resize(at + packedBytes);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(sum_.data(), 0, sizeof(unsigned long long), stream_));
+  if (summed.count() > 0) {
+    constexpr unsigned kMostBlocks = 512, kThreads = 256;
+    sumWords<<<std::min(kMostBlocks, cuda::blocksFor(summed.count(), kThreads)), kThreads, 0, stream_>>>(
+        reinterpret_cast<const uint32_t*>(packed_.data()), static_cast<uint32_t>(summed.firstByte() - at), summed, sum_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(sumOnHost_.data(), sum_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_));
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(out.data() + at, packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
   WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
-  out.insert(out.end(), host_.begin(), host_.end());
+  summed.sum = *sumOnHost_.data();
+  return summed;
 }
 
 void DeviceSheet::askForReport() {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/codec/payload_hash.h"
 #include "render/codec/tiled/ans.h"
 #include "render/codec/tiled/tile_grid.h"
 #include "render/codec/tiled/tiled_sheet.h"
@@ -87,7 +88,7 @@ class DeviceSheet {
  public:
   explicit DeviceSheet(cudaStream_t stream);
 
-  /// Makes room. Counts are zeros, nothing is known of streams.
+  /// Makes room. Counts are zeros where there are masks, else to be filled; nothing is known of streams.
   const SheetView& begin(const TileGrid& grid, const SheetForm& form, uint32_t layers, bool hasMasks);
   /// Makes room for values, which count() has not found yet or says.
   const SheetView& reserveValues(uint32_t values);
@@ -100,8 +101,8 @@ class DeviceSheet {
   void makeMasks();
   /// Makes bytes of the sheet, whose planes and shapes are there.
   void write();
-  /// Appends them. Waits.
-  void append(std::vector<std::byte>& out);
+  /// Appends them to a payload. Waits.
+  SummedWords append(ByteVector& out);
 
   /// Begins to read. False if the streams are none that can be.
   bool upload(const SheetHead& head);
@@ -115,10 +116,8 @@ class DeviceSheet {
   SheetReport report();
 
  private:
-
   cudaStream_t stream_;
   SheetView view_;
-  cuda::Scratch scratch_;
   cuda::DeviceBuffer<uint8_t> counts_, streams_, shapes_[2], bytes_;
   cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, rowRanks_, numbers_, flags_, histograms_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
   cuda::DeviceBuffer<uint16_t> frequencies_, words_, packed_;
@@ -126,6 +125,9 @@ class DeviceSheet {
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;
   cuda::PinnedValue<SheetReport> report_;
+  cuda::DeviceBuffer<unsigned long long> sum_{1};
+  cuda::PinnedValue<uint64_t> sumOnHost_;
+  cuda::Event told_;  ///< heads of what is written are in host_
   TransferVector<std::byte> host_;  // page-locked
 };
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "render/codec/ray_pieces.h"
+#include "render/march/ray_pieces.h"
+#include "render/codec/tiled/block_sums.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
-#include "render/core/parallel.h"
+#include "render/core/parallel_copy.h"
 #include "render/march/frame_segments.h"
 
 namespace warpscope {
@@ -16,10 +17,10 @@ namespace {
 /// A block for each model: what a reader finds at each slot.
 __global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequencies, uint32_t* slots) {
   __shared__ uint32_t starts[kAnsSymbols + 1];
-  if (threadIdx.x == 0) {
-    starts[0] = 0;
-    for (uint32_t s = 0; s < kAnsSymbols; ++s) starts[s + 1] = starts[s] + frequencies[blockIdx.x * kAnsSymbols + s];
-  }
+  BlockSums<kAnsSymbols> sums;
+  uint32_t total;
+  starts[threadIdx.x] = sums.before(frequencies[blockIdx.x * kAnsSymbols + threadIdx.x], total);
+  starts[kAnsSymbols] = total;
   __syncthreads();
   if (starts[kAnsSymbols] != kAnsScale) return;
   for (uint32_t slot = threadIdx.x; slot < kAnsScale; slot += blockDim.x) {
@@ -201,10 +202,7 @@ bool DeviceSheet::upload(const SheetHead& head) {
       std::memcpy(reads + (size_t{tile} * view_.layers + layer) * sizeof read, &read, sizeof read);
     }
   }
-  constexpr size_t kCopied = size_t{1} << 18;  // at once: one core would take longer than the link
-  parallelForRanges((bytes + kCopied - 1) / kCopied, 1, [&](size_t begin, size_t end) {
-    std::memcpy(packed + begin * kCopied, first + begin * kCopied, std::min(end * kCopied, bytes) - begin * kCopied);
-  });
+  parallelCopy(packed, first, bytes);
   frequencies_.reserve(models * kAnsSymbols);
   slots_.reserve(models * kAnsScale);
   reads_.reserve(streams);

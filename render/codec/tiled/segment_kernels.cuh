@@ -109,14 +109,15 @@ __global__ void __launch_bounds__(kCodedTileWidth) finishSegments(SegmentView fr
   if (!isOrdered) atomicOr(view.flags, kDisordered);
 }
 
-/// As TiledSegments: rays, depths, normals. A thread for each pixel or segment, whichever are more.
+/// As TiledSegments: rays, depths, normals.
 __global__ void hashSegments(SegmentView frame, unsigned long long* hash) {
-  const uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   uint64_t own = 0;
-  if (i < frame.pixels) own += placedHash(frame.rays[i], i);
-  if (i < frame.count) {
-    own += placedHash(frame.depths[i].begin | uint64_t{frame.depths[i].end} << 32, uint64_t{frame.pixels} + i);
-    if (frame.normals != nullptr) own += placedHash(frame.normals[i], uint64_t{frame.pixels} + frame.count + i);
+  for (size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x; i < max(frame.pixels, frame.count); i += size_t{gridDim.x} * blockDim.x) {
+    if (i < frame.pixels) own += placedHash(frame.rays[i], i);
+    if (i < frame.count) {
+      own += placedHash(frame.depths[i].begin | uint64_t{frame.depths[i].end} << 32, frame.pixels + i);
+      if (frame.normals != nullptr) own += placedHash(frame.normals[i], uint64_t{frame.pixels} + frame.count + i);
+    }
   }
   addHash(own, hash);
 }

@@ -3,7 +3,7 @@
 #include "render/codec/tiled/tile_fronts.h"
 
 #include "render/codec/band_layout.h"
-#include "render/codec/pixel_places.h"
+#include "render/march/pixel_places.h"
 #include "render/codec/tokens.h"
 #include "render/cuda/warp_reduce.cuh"
 
@@ -28,14 +28,14 @@ __device__ int32_t likelyChannel(const FrontNeighbors& from, int shift) {
 
 // Of each kind: what neighbours know of a value, its difference and back.
 
-/// Numbers, of rays whose places begin at origins.
+/// Numbers, of rays whose places begin at origins. To be written they come in fine units: what is likely in places is as far from a place as it is in those.
 struct NumberRule {
   int bits;
   uint32_t mask;  // of values
 
   __device__ uint32_t known(uint32_t value, int32_t origin) const { return static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(value), origin, bits)); }
   __device__ uint32_t likely(const FrontNeighbors& from, int32_t origin) const { return static_cast<uint32_t>(placeOfFine(likelyNumber(from), origin, bits)); }
-  __device__ uint32_t difference(uint32_t value, const FrontNeighbors& from, int32_t origin) const { return zigzag(static_cast<int32_t>(value - likely(from, origin))); }
+  __device__ uint32_t difference(uint32_t fine, const FrontNeighbors& from) const { return zigzag(-placeOfFine(likelyNumber(from), static_cast<int32_t>(fine), bits)); }
   __device__ uint32_t value(uint32_t difference, const FrontNeighbors& from, int32_t origin) const {
     return (likely(from, origin) + static_cast<uint32_t>(unzigzag(difference))) & mask;
   }
@@ -44,7 +44,7 @@ struct NumberRule {
 /// Differences are bytes from the lowest: opacity, green, red, blue.
 struct ColorRule {
   __device__ uint32_t known(uint32_t value, int32_t) const { return value; }
-  __device__ uint32_t difference(uint32_t value, const FrontNeighbors& from, int32_t) const {
+  __device__ uint32_t difference(uint32_t value, const FrontNeighbors& from) const {
     const auto of = [&](int shift) { return static_cast<int32_t>(value >> shift & 255) - likelyChannel(from, shift); };
     const int32_t green = of(8);
     const auto byte = [](int32_t difference, int shift) { return static_cast<uint32_t>(difference & 255) << shift; };
@@ -60,7 +60,7 @@ struct ColorRule {
 
 struct ChannelRule {
   __device__ uint32_t known(uint32_t value, int32_t) const { return value; }
-  __device__ uint32_t difference(uint32_t value, const FrontNeighbors& from, int32_t) const {
+  __device__ uint32_t difference(uint32_t value, const FrontNeighbors& from) const {
     const auto of = [&](int shift) { return static_cast<uint32_t>((static_cast<int32_t>(value >> shift & 255) - likelyChannel(from, shift)) & 255) << shift; };
     return of(0) | of(8);
   }
@@ -70,7 +70,8 @@ struct ChannelRule {
   }
 };
 
-/// Makes differences of values, or values of differences, in place. `masks`: what the layer covers, kMaskWords a row; `first`: of the calling thread's row among the words.
+/// Makes differences of values (numbers in fine units), or values of differences, in place. `masks`: what the layer covers, kMaskWords a row; `first`: of the calling thread's row
+/// among the words. `origins`: of values that are read.
 template <bool kReads, class Rule>
 __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint32_t first, uint32_t* words, const int32_t* origins, const Rule& rule) {
   const uint32_t row = threadIdx.x % 32;
@@ -97,10 +98,16 @@ __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint3
       from.west = isWest ? west : isNorth ? north : seen;
       from.north = isNorth ? north : from.west;
       from.northWest = isNorthWest ? northWest : from.north;
-      const int32_t origin = origins != nullptr ? origins[at] : 0;
-      const uint32_t word = words[at], made = kReads ? rule.value(word, from, origin) : rule.difference(word, from, origin);
-      words[at] = made;
-      west = seen = rule.known(kReads ? made : word, origin);
+      const uint32_t word = words[at];
+      if constexpr (kReads) {
+        const int32_t origin = origins != nullptr ? origins[at] : 0;
+        const uint32_t value = rule.value(word, from, origin);
+        words[at] = value;
+        west = seen = rule.known(value, origin);
+      } else {
+        words[at] = rule.difference(word, from);
+        west = seen = word;
+      }
       hasSeen = true;
       ++at;
     }
@@ -108,7 +115,7 @@ __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint3
   }
 }
 
-/// A block for each stream and job; the words of the stream, then origins, are in shared memory.
+/// A block for each stream and job; the words of the stream, then origins of what is read, are in shared memory.
 template <bool kReads>
 __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, FrontJobs jobs) {
   extern __shared__ uint32_t words[];
@@ -119,6 +126,7 @@ __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, Front
   const FrontJob job = jobs.jobs[blockIdx.y];
   const bool isNumber = job.kind == FrontKind::place || job.kind == FrontKind::gap || job.kind == FrontKind::radius;
   const bool hasOrigins = job.kind == FrontKind::place || (job.kind == FrontKind::gap && layer == 0);
+  const int bits = hasOrigins ? jobs.bits : 0;
   const uint32_t planes = job.kind == FrontKind::color ? 4 : job.kind == FrontKind::channels ? 2 : 1;
   const TileRect rect = view.grid.at(tile);
   auto* const origins = reinterpret_cast<int32_t*>(words + size);
@@ -133,19 +141,19 @@ __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, Front
   for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
     uint32_t word = 0;
     if (!kReads)
-      word = job.values[begin + i];
+      word = hasOrigins ? static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(job.values[begin + i]), jobs.origins[begin + i], bits)) : job.values[begin + i];
     else if (isNumber)
       word = view.numbers[size_t{job.plane} * view.values + begin + i];
     else
       for (uint32_t plane = 0; plane < planes; ++plane) word |= static_cast<uint32_t>(byteOf(plane, i)) << 8 * plane;
     words[i] = word;
-    if (hasOrigins) origins[i] = jobs.origins[begin + i];
+    if (kReads && hasOrigins) origins[i] = jobs.origins[begin + i];
   }
   __syncthreads();
   if (threadIdx.x < 32) {
     const uint32_t first = threadIdx.x < rect.height ? view.rowRanks[stream * kCodedTileHeight + threadIdx.x] : 0;
     if (isNumber)
-      goThroughTile<kReads>(rect, masks, first, words, hasOrigins ? origins : nullptr, NumberRule{hasOrigins ? jobs.bits : 0, job.kind == FrontKind::radius ? kRadiusCodeMax : ~0u});
+      goThroughTile<kReads>(rect, masks, first, words, hasOrigins ? origins : nullptr, NumberRule{bits, job.kind == FrontKind::radius ? kRadiusCodeMax : ~0u});
     else if (job.kind == FrontKind::color)
       goThroughTile<kReads>(rect, masks, first, words, nullptr, ColorRule{});
     else
@@ -165,7 +173,7 @@ __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, Front
 
 template <bool kReads>
 void run(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
-  constexpr unsigned kBytes = 2 * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));
+  constexpr unsigned kBytes = (kReads ? 2 : 1) * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));  // the less, the more tiles at once
   static_assert(kBytes <= 48 * 1024, "what a kernel has without asking for more");
   goThroughTiles<kReads><<<dim3(view.tiles() * view.layers, jobs.count), kThreads, kBytes, stream>>>(view, jobs);
   WARPSCOPE_CUDA_CHECK_LAUNCH();

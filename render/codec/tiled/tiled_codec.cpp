@@ -18,7 +18,7 @@ class TiledCodec final : public Codec {
     placement_ = placementOf(frame);
     coder_->beginToAppendSamples(frame, placement_);
   }
-  void encode(const SampleFrame& frame, const CodecSettings&, std::vector<std::byte>& payload) override {
+  void encode(const SampleFrame& frame, const CodecSettings&, ByteVector& payload) override {
     appendLittle(payload, static_cast<uint8_t>(placement_));
     coder_->appendSamples(payload, frame, placement_);
   }
@@ -35,7 +35,7 @@ class TiledCodec final : public Codec {
     return coder_->takeSamples(reader, placement, count, frame);
   }
 
-  void encodePlane(const SampleFrame& frame, const SamplePlane& plane, std::vector<std::byte>& payload) override {
+  void encodePlane(const SampleFrame& frame, const SamplePlane& plane, ByteVector& payload) override {
     if (!isImplied(plane)) appendPlane(payload, plane, frame.layers());
   }
 

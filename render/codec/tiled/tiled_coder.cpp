@@ -21,11 +21,11 @@ void withFrameHere(const SampleFrame& frame, const Work& work) {
 
 class HostTiledCoder final : public TiledCoder {
  public:
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     withFrameHere(frame, [&](const SampleFrame& here) { samples_->append(out, here, placement); });
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override { return samples_->take(reader, placement, count, frame); }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     withFrameHere(frame, [&](const SampleFrame& here) { segments_->append(out, here, placement); });
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
@@ -46,24 +46,39 @@ class FallbackTiledCoder final : public TiledCoder {
   FallbackTiledCoder(std::function<TiledCoderPtr()> makeFirst, std::function<void(const std::string& reason)> onFallback)
       : makeFirst_(std::move(makeFirst)), onFallback_(std::move(onFallback)) {}
 
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     append(out, [&](TiledCoder& coder) { coder.appendSamples(out, frame, placement); });
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
     return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSamples(reader, placement, count, frame); });
   }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     append(out, [&](TiledCoder& coder) { coder.appendSegments(out, frame, placement); });
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
     return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSegments(reader, placement, hasNormals, most, frame); });
   }
+  void beginToAppendSegments(const SampleFrame& frame, Placement placement) override {
+    begin([&](TiledCoder& coder) { coder.beginToAppendSegments(frame, placement); });
+  }
   void beginToAppendSamples(const SampleFrame& frame, Placement placement) override {
     begin([&](TiledCoder& coder) { coder.beginToAppendSamples(frame, placement); });
+  }
+  void beginToTakeSegments(ByteReader reader, bool hasNormals, const SampleFrame& frame) override {
+    begin([&](TiledCoder& coder) { coder.beginToTakeSegments(reader, hasNormals, frame); });
   }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     begin([&](TiledCoder& coder) { coder.beginToTakeSamples(reader, placement, count, frame); });
   }
+  ByteVector roomFor(size_t bytes) override {
+    try {
+      return coder().roomFor(bytes);
+    } catch (const DeviceError& error) {
+      leave(error);
+      return coder_->roomFor(bytes);
+    }
+  }
+  std::vector<SummedWords> takeSummed() override { return coder_ ? coder_->takeSummed() : std::vector<SummedWords>(); }
   void endBegun() override {
     if (coder_) coder_->endBegun();
   }
@@ -86,13 +101,16 @@ class FallbackTiledCoder final : public TiledCoder {
     }
   }
   template <class Call>
-  void append(std::vector<std::byte>& out, const Call& call) {
+  void append(ByteVector& out, const Call& call) {
     const size_t size = out.size();
     try {
       call(coder());
     } catch (const DeviceError& error) {
       leave(error);
-      out.resize(size);
+      // Page-locked memory may be what failed.
+      ByteVector before = coder_->roomFor(out.capacity());
+      before.insert(before.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
+      out = std::move(before);
       call(*coder_);
     }
   }

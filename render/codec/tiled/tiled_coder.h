@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/codec/codec.h"
+#include "render/codec/payload_hash.h"
 #include "render/codec/pixel_path.h"
 
 namespace warpscope {
@@ -16,20 +17,30 @@ class TiledCoder {
  public:
   virtual ~TiledCoder() = default;
 
-  /// Appends the samples and colours of a frame that codec.h takes: tiled_samples.h.
-  virtual void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) = 0;
+  /// Appends the samples and colours of a frame that codec.h takes to a payload: tiled_samples.h.
+  virtual void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) = 0;
   /// Fills `count` samples and colours of the frame, and kLayerPlane if it has that. All else of it is known.
   virtual DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) = 0;
 
   /// Appends the frame's segments, which are consistent: tiled_segments.h.
-  virtual void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) = 0;
+  virtual void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) = 0;
   /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
 
-  /// Say that appendSamples() will be called, or takeSamples() of what the reader is at, after what else there is of the same frame: a device may begin with that
-  /// meanwhile. The frame and the bytes must stay until then, or until endBegun().
+  /// Say that what appends or takes the same will be called, of what a reader is at, after what else there is of the frame: a device may begin with that meanwhile. The frame
+  /// and the bytes, which may be damaged, must stay until then, or until endBegun().
+  virtual void beginToAppendSegments(const SampleFrame&, Placement) {}
   virtual void beginToAppendSamples(const SampleFrame&, Placement) {}
+  virtual void beginToTakeSegments(ByteReader, bool /*hasNormals*/, const SampleFrame&) {}
   virtual void beginToTakeSamples(ByteReader, Placement, size_t /*count*/, const SampleFrame&) {}
+  /// An empty payload with room for so many bytes, where appending to it is quickest.
+  virtual ByteVector roomFor(size_t bytes) {
+    ByteVector payload;
+    payload.reserve(bytes);
+    return payload;
+  }
+  /// Words of payloads that were appended since this was called last, or endBegun(), and are added up already.
+  virtual std::vector<SummedWords> takeSummed() { return {}; }
   /// Nothing is to come of what was begun and is not done.
   virtual void endBegun() {}
 

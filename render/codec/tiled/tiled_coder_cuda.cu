@@ -57,46 +57,71 @@ class CudaTiledCoder final : public TiledCoder {
   CudaTiledCoder() { workers_->take(); }  // fails here if it does
   ~CudaTiledCoder() override { endBegun(); }
 
+  void beginToAppendSegments(const SampleFrame& frame, Placement placement) override {
+    if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
+    if (!CudaSegmentTiles::takes(frame)) return;
+    worker().segments.beginToAppend(frame, placement);
+    begunSegments_ = &frame;
+  }
   void beginToAppendSamples(const SampleFrame& frame, Placement placement) override {
-    endBegun();
+    if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
     if (!CudaSampleTiles::takes(frame)) return;
     worker().samples.beginToAppend(frame, placement);
-    begun_ = &frame;
+    begunSamples_ = &frame;
   }
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     if (!CudaSampleTiles::takes(frame)) return host().appendSamples(out, frame, placement);
-    if (begun_ != &frame) beginToAppendSamples(frame, placement);
-    worker().samples.append(out);
-    leave();
+    if (begunSamples_ != &frame) beginToAppendSamples(frame, placement);
+    summed_.push_back(worker().samples.append(out));
+    begunSamples_ = nullptr;
+    if (begunSegments_ == nullptr) leave();
   }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     if (!CudaSegmentTiles::takes(frame)) return host().appendSegments(out, frame, placement);
-    worker().segments.append(out, frame, placement);
-    if (begun_ == nullptr) leave();
+    if (begunSegments_ != &frame) beginToAppendSegments(frame, placement);
+    summed_.push_back(worker().segments.append(out));
+    begunSegments_ = nullptr;
+    if (begunSamples_ == nullptr) leave();
   }
 
+  void beginToTakeSegments(ByteReader reader, bool hasNormals, const SampleFrame& frame) override {
+    if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
+    segmentError_ = worker().segments.beginToTake(reader, hasNormals, frame, held());
+    begunSegments_ = &frame;
+  }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
-    endBegun();
+    if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
     if (tiledGridOf(frame, count).count() == 0) return;
     error_ = worker().samples.beginToTake(reader, placement, count, frame, held());
-    begun_ = &frame;
+    begunSamples_ = &frame;
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
     if (tiledGridOf(frame, count).count() == 0) {
       leave();  // segments without samples
       return host().takeSamples(reader, placement, count, frame);
     }
-    if (begun_ != &frame) beginToTakeSamples(reader, placement, count, frame);
+    if (begunSamples_ != &frame) beginToTakeSamples(reader, placement, count, frame);
     if (!error_) error_ = worker().samples.take(frame, held());
     if (!error_) frame.device = std::move(held_);
     leave();
     return std::exchange(error_, std::nullopt);
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    return worker().segments.take(reader, placement, hasNormals, most, frame, held());
+    if (begunSegments_ != &frame) beginToTakeSegments(reader, hasNormals, frame);
+    begunSegments_ = nullptr;
+    if (segmentError_) return segmentError_;
+    return worker().segments.take(placement, hasNormals, most, frame, held());
   }
 
+  /// Page-locked: the device copies its part there itself, to pages that were written to before. Who sends it holds them so long.
+  ByteVector roomFor(size_t bytes) override {
+    ByteVector payload(TransferAllocator<std::byte>(cuda::pinnedMemory()));
+    payload.reserve(bytes);
+    return payload;
+  }
+  std::vector<SummedWords> takeSummed() override { return std::exchange(summed_, {}); }
   void endBegun() override {
+    summed_.clear();
     if (!worker_) return;
     worker_->wait();
     leave();
@@ -126,16 +151,17 @@ class CudaTiledCoder final : public TiledCoder {
   void leave() {
     worker_.reset();
     held_.reset();
-    begun_ = nullptr;
+    begunSegments_ = begunSamples_ = nullptr;
   }
 
   const std::shared_ptr<WorkspacePool> workers_ = WorkspacePool::ofProcess();
   const std::shared_ptr<CudaFramePool> frames_ = std::make_shared<CudaFramePool>();  // not a marcher's, whose frames have room for all that they could hold
   std::optional<CudaWorker> worker_;
   std::shared_ptr<CudaFrame> held_;  // of the frame that is read
-  const SampleFrame* begun_ = nullptr;  // whose samples are under way; null: nobody's
-  DecodeError error_;                   // of these, while they are read
-  TiledCoderPtr host_;                  // of frames that are not for a device
+  const SampleFrame *begunSegments_ = nullptr, *begunSamples_ = nullptr;  // whose are under way; null: nobody's
+  std::vector<SummedWords> summed_;
+  DecodeError segmentError_, error_;  // of segments and samples, while they are read
+  TiledCoderPtr host_;  // of frames that are not for a device
 };
 
 }  // namespace

@@ -74,7 +74,7 @@ uint64_t mostTiledSampleBytes(const SampleFrame& frame, uint64_t count) {
   return sizeof(uint64_t) + mostSheetBytes(sampleForm(frame.plane(kLayerPlane) != nullptr), grid, masks + count, count, std::min<uint64_t>(mostTiledLayers(frame), count));
 }
 
-void TiledSamples::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
+void TiledSamples::append(ByteVector& out, const SampleFrame& frame, Placement placement) {
   Buffers& b = *buffers_;
   const TileGrid grid = tiledGridOf(frame, frame.size());
   cut(frame, grid, b.rows);

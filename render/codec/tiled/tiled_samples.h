@@ -30,7 +30,7 @@ class TiledSamples {
   TiledSamples();
   ~TiledSamples();
 
-  void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement);
+  void append(ByteVector& out, const SampleFrame& frame, Placement placement);
   /// Fills `count` samples and colours of the frame, and kLayerPlane if it has that.
   DecodeError take(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame);
 

@@ -52,7 +52,7 @@ uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t segments, uint64_t
   return sizeof(uint64_t) + mostSheetBytes(segmentForm(true), {camera.width, camera.height}, pixels, segments, layers);
 }
 
-void TiledSegments::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
+void TiledSegments::append(ByteVector& out, const SampleFrame& frame, Placement placement) {
   Buffers& b = *buffers_;
   const TileGrid grid{frame.camera.width, frame.camera.height};
   b.rows.begin(grid);

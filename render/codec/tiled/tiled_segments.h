@@ -26,7 +26,7 @@ class TiledSegments {
   ~TiledSegments();
 
   /// Appends the frame's segments, which are consistent.
-  void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement);
+  void append(ByteVector& out, const SampleFrame& frame, Placement placement);
   /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   DecodeError take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame);
 

@@ -53,7 +53,7 @@ std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTil
 
 /// The streams of one tile, one behind the other.
 struct PackedTile {
-  std::vector<std::byte> bytes;
+  ByteVector bytes;
   std::vector<uint32_t> lengths;
 
   void pack(const SheetForm& form, const SheetTile& tile, std::span<const AnsWriterModel> models, AnsWriter& writer) {
@@ -85,7 +85,7 @@ uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t sh
   return 1 + (form.shapes + layers * form.planes()) * AnsModel::kMostBytes + grid.count() + streams * (sizeof(uint32_t) + kAnsStateBytes) + bits / 8 + 1;
 }
 
-void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<const SheetTile> tiles) {
+void appendSheet(ByteVector& out, const SheetForm& form, std::span<const SheetTile> tiles) {
   uint32_t layers = 0;
   for (const SheetTile& tile : tiles) layers = std::max(layers, tile.layerCount);
   std::vector<AnsModel> models;
@@ -111,11 +111,15 @@ void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<c
   for (const PackedTile& tile : packed) out.insert(out.end(), tile.bytes.begin(), tile.bytes.end());
 }
 
-void appendSheetHead(std::vector<std::byte>& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths) {
+void appendSheetHead(ByteVector& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths) {
   appendLittle(out, static_cast<uint8_t>(layers));
   for (const AnsModel& model : models) model.append(out);
   for (const uint8_t streams : streamsOfTiles) appendLittle(out, streams);
-  for (const uint32_t length : lengths) appendLittle(out, length);
+  std::byte* at = grown(out, lengths.size_bytes());
+  for (const uint32_t length : lengths) {
+    storeLittle(at, length);
+    at += sizeof length;
+  }
 }
 
 DecodeError SheetHead::take(ByteReader& reader, const SheetForm& theForm, uint32_t tiles, uint32_t mostLayers) {

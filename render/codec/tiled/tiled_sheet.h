@@ -59,7 +59,7 @@ struct SheetTile {
 uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t shapeSymbols, uint64_t values, uint64_t layers);
 
 /// Appends the tiles of a grid, of at most 255 layers.
-void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<const SheetTile> tiles);
+void appendSheet(ByteVector& out, const SheetForm& form, std::span<const SheetTile> tiles);
 
 /// What bytes say before their streams are read.
 struct SheetHead {
@@ -74,7 +74,7 @@ struct SheetHead {
   DecodeError take(ByteReader& reader, const SheetForm& theForm, uint32_t tiles, uint32_t mostLayers);
 };
 /// The same as bytes, but for the streams, whose lengths are given.
-void appendSheetHead(std::vector<std::byte>& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths);
+void appendSheetHead(ByteVector& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths);
 
 class SheetReader {
  public:

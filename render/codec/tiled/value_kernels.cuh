@@ -5,7 +5,8 @@
 #include <cstdint>
 
 #include "render/codec/bytes.h"
-#include "render/codec/pixel_places.h"
+#include "render/march/pixel_places.h"
+#include "render/codec/tiled/device_hash.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_fronts.h"
@@ -50,12 +51,6 @@ __device__ void forValues(const PathGrid& paths, const SheetView& view, const F&
 __global__ void __launch_bounds__(kCodedTileWidth) findOrigins(PathGrid paths, SheetView view, int32_t* origins) {
   if (!view.isFull() || *view.flags != 0) return;
   forValues(paths, view, [&](const PixelPath& path, uint32_t, uint32_t, uint32_t at) { origins[at] = path.origin; });
-}
-
-/// The sum of all threads' hashes.
-__device__ void addHash(uint64_t own, unsigned long long* hash) {
-  for (int offset = 16; offset > 0; offset /= 2) own += __shfl_xor_sync(kAllLanes, own, offset);
-  if (threadIdx.x % 32 == 0 && own != 0) atomicAdd(hash, static_cast<unsigned long long>(own));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where along the ray of a pixel its integers lie (pixel_path.h): the functions of one ray, for host and device.
+// Where samples and borders of segments lie along the ray of a pixel, as one integer each: for host and device.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What rays have of segments, as bytes are read: where those of some rays begin among all, found on all cores.
+// Where the segments of some rays begin among all, found on all cores.
 #pragma once
 
 #include <cstddef>
