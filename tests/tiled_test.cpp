@@ -129,7 +129,7 @@ class FailingCoder final : public TiledCoder {
   }
   void beginToAppendSegments(const SampleFrame&, Placement) override { work(); }
   void beginToAppendSamples(const SampleFrame&, Placement) override { work(); }
-  void beginToTakeSegments(ByteReader, bool, const SampleFrame&) override { work(); }
+  void beginToTakeSegments(ByteReader, Placement, bool, size_t, const SampleFrame&) override { work(); }
   void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override { work(); }
   void forget() override {}
 
@@ -174,7 +174,7 @@ class WatchedCoder final : public TiledCoder {
     EXPECT_TRUE(areSegmentsBegun);  // which take longer
     isBegun = true;
   }
-  void beginToTakeSegments(ByteReader, bool, const SampleFrame&) override { areSegmentsBegun = true; }
+  void beginToTakeSegments(ByteReader, Placement, bool, size_t, const SampleFrame&) override { areSegmentsBegun = true; }
   void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override {
     EXPECT_TRUE(areSegmentsBegun);
     isBegun = true;

@@ -256,15 +256,14 @@ DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::b
   Parts parts;
   const DecodeError cut = takeParts(reader, frame, parts);
   const Begun begun(*coder_);
-  if (!cut) {
-    // Segments take longer.
-    if (parts.bytes.segments > 0) segments_->beginToTake(parts.segments, format, frame);
-    codec.beginToDecode(parts.samples, count, frame);
-  }
+  const bool hasSegments = parts.bytes.segments > 0;  // which take longer
+  if (!cut && hasSegments) segments_->beginToTake(parts.segments, format, limits.maxSegments, frame);
+  if (!cut && !hasSegments) codec.beginToDecode(parts.samples, count, frame);
   // While a device works, to which it does not matter what bytes are.
   if (hash != payloadHash(payload)) return "the payload is damaged: its bytes do not match their hash";
   if (cut) return cut;
-  if (parts.bytes.segments > 0)
+  if (hasSegments) codec.beginToDecode(parts.samples, count, frame);
+  if (hasSegments)
     if (DecodeError error = segments_->take(parts.segments, format, limits.maxSegments, frame)) return error;
   frame.proxy.reset();
   if (parts.bytes.proxy > 0)

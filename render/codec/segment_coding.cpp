@@ -172,10 +172,10 @@ void SegmentCoder::append(ByteVector& out, const SampleFrame& frame, const Codec
   for (const ByteVector& band : packed) out.insert(out.end(), band.begin(), band.end());
 }
 
-void SegmentCoder::beginToTake(std::span<const std::byte> bytes, PayloadFormat format, const SampleFrame& frame) {
+void SegmentCoder::beginToTake(std::span<const std::byte> bytes, PayloadFormat format, size_t most, const SampleFrame& frame) {
   ByteReader reader(bytes);
   SegmentsHead head;
-  if (format == PayloadFormat::tiled && !takeHead(reader, frame, head)) tiled_->beginToTakeSegments(reader, head.hasNormals, frame);
+  if (format == PayloadFormat::tiled && !takeHead(reader, frame, head)) tiled_->beginToTakeSegments(reader, head.placement, head.hasNormals, most, frame);
 }
 
 DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame) {

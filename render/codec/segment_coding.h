@@ -44,7 +44,7 @@ class SegmentCoder {
   void append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings);
 
   /// Comes before take() of the same, whether they are whole or not. The bytes must stay until then.
-  void beginToTake(std::span<const std::byte> bytes, PayloadFormat format, const SampleFrame& frame);
+  void beginToTake(std::span<const std::byte> bytes, PayloadFormat format, size_t most, const SampleFrame& frame);
   /// Fills the frame's segments, at most `most`; its camera (whose picture has a usable size), quantisation and settings are known.
   DecodeError take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame);
 

@@ -66,8 +66,8 @@ void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placeme
   hash(own);
 }
 
-DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, bool hasNormals, const SampleFrame& frame, CudaFrame& held) {
-  hashSent_ = reader.take<uint64_t>();
+DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held) {
+  taken_ = {placement, hasNormals, most, reader.take<uint64_t>(), {}};
   const TileGrid grid{frame.camera.width, frame.camera.height};
   const auto layers = static_cast<uint32_t>(std::clamp(frame.settings.sample.segments, 0, static_cast<int>(kSegmentsRange.highest)));
   if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
@@ -79,15 +79,15 @@ DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, bool hasNormals, c
   return std::nullopt;
 }
 
-DecodeError CudaSegmentTiles::take(Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held) {
-  FrameSegments& segments = frame.segments;
+DecodeError CudaSegmentTiles::goOnTaking(const SampleFrame& frame, CudaFrame& held) {
+  const bool hasNormals = taken_.hasNormals;
   const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
   const SheetReport report = sheet_.report();
   const size_t count = report.values;
   if ((report.flags & kDamagedShapes) != 0) return "what rays have of segments is damaged";
-  if (count > most) return "the frame has more segments than are allowed";
+  if (count > taken_.most) return "the frame has more segments than are allowed";
   const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
-  const SegmentView own = viewOf(frame, placement, pixels, count, roomIn(held.buffers(), pixels, count, hasNormals));
+  const SegmentView own = viewOf(frame, taken_.placement, pixels, count, roomIn(held.buffers(), pixels, count, hasNormals));
   sheet_.takePlanes();
   findOrigins<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(own.paths, view, origins_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -97,6 +97,7 @@ DecodeError CudaSegmentTiles::take(Placement placement, bool hasNormals, size_t 
   hash(own);
   sheet_.askForReport();
   // While the device works: rays are filled with zeros.
+  FrameSegments& segments = taken_.segments;
   segments.rays = pinned<RaySegmentCount>(pixels);
   segments.depths = pinned<SegmentDepths>(count);
   segments.colors = pinned<Rgba8>(count);
@@ -105,14 +106,19 @@ DecodeError CudaSegmentTiles::take(Placement placement, bool hasNormals, size_t 
   download(segments.depths.data(), own.depths, count);
   download(segments.colors.data(), own.colors, count);
   if (hasNormals) download(segments.normals.data(), own.normals, count);
+  return std::nullopt;
+}
+
+DecodeError CudaSegmentTiles::take(SampleFrame& frame, CudaFrame& held) {
   const uint32_t flags = sheet_.report().flags;
   if ((flags & ~kDisordered) != 0) return "a tile of segments is damaged";
-  if (*hashOnHost_.data() != hashSent_) return kOtherSegments;
+  if (*hashOnHost_.data() != taken_.hashSent) return kOtherSegments;
   if (flags != 0) return kDisorderedSegments;
+  frame.segments = std::move(taken_.segments);
   CudaFrameSizes sizes = held.sizes();
-  sizes.rays = pixels;
-  sizes.segments = count;
-  sizes.hasNormals = hasNormals;
+  sizes.rays = frame.segments.rays.size();
+  sizes.segments = frame.segments.size();
+  sizes.hasNormals = taken_.hasNormals;
   held.setSizes(sizes);
   return std::nullopt;
 }

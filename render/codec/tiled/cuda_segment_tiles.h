@@ -11,7 +11,7 @@ namespace warpscope {
 
 struct SegmentView;
 
-/// In two steps, between which the device works: begin, and append or take, of the same frame.
+/// In steps, between which the device works: begin, and append or take, of the same frame.
 class CudaSegmentTiles : public CudaTiles {
  public:
   CudaSegmentTiles() : CudaTiles(cuda::Urgency::first) {}  // a frame's samples are done sooner
@@ -20,10 +20,12 @@ class CudaSegmentTiles : public CudaTiles {
   static bool takes(const SampleFrame& frame);
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
-  /// What rays of `held` have; both it and the bytes must stay until take().
-  DecodeError beginToTake(ByteReader& reader, bool hasNormals, const SampleFrame& frame, CudaFrame& held);
-  /// Fills the frame's segments, at most `most`, and those of `held`.
-  DecodeError take(Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held);
+  /// At most `most`, to `held` as well; both it and the bytes must stay until take().
+  DecodeError beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held);
+  /// Waits until it is known how many there are; from then on the device needs nobody.
+  DecodeError goOnTaking(const SampleFrame& frame, CudaFrame& held);
+  /// Fills the frame's segments. After goOnTaking().
+  DecodeError take(SampleFrame& frame, CudaFrame& held);
 
  private:
   struct Memory {
@@ -37,7 +39,14 @@ class CudaSegmentTiles : public CudaTiles {
   void hash(const SegmentView& segments);
 
   CudaFrameBuffers uploaded_;  // of frames that are not on the device
-  uint64_t hashSent_ = 0;      // of what is taken
+  struct Taken {
+    Placement placement = Placement::depth;
+    bool hasNormals = false;
+    size_t most = 0;
+    uint64_t hashSent = 0;
+    FrameSegments segments;
+  };
+  Taken taken_;
 };
 
 }  // namespace warpscope

@@ -64,8 +64,8 @@ class FallbackTiledCoder final : public TiledCoder {
   void beginToAppendSamples(const SampleFrame& frame, Placement placement) override {
     begin([&](TiledCoder& coder) { coder.beginToAppendSamples(frame, placement); });
   }
-  void beginToTakeSegments(ByteReader reader, bool hasNormals, const SampleFrame& frame) override {
-    begin([&](TiledCoder& coder) { coder.beginToTakeSegments(reader, hasNormals, frame); });
+  void beginToTakeSegments(ByteReader reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame) override {
+    begin([&](TiledCoder& coder) { coder.beginToTakeSegments(reader, placement, hasNormals, most, frame); });
   }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     begin([&](TiledCoder& coder) { coder.beginToTakeSamples(reader, placement, count, frame); });

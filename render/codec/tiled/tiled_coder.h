@@ -31,7 +31,7 @@ class TiledCoder {
   /// and the bytes, which may be damaged, must stay until then, or until endBegun().
   virtual void beginToAppendSegments(const SampleFrame&, Placement) {}
   virtual void beginToAppendSamples(const SampleFrame&, Placement) {}
-  virtual void beginToTakeSegments(ByteReader, bool /*hasNormals*/, const SampleFrame&) {}
+  virtual void beginToTakeSegments(ByteReader, Placement, bool /*hasNormals*/, size_t /*most*/, const SampleFrame&) {}
   virtual void beginToTakeSamples(ByteReader, Placement, size_t /*count*/, const SampleFrame&) {}
   /// An empty payload with room for so many bytes, where appending to it is quickest.
   virtual ByteVector roomFor(size_t bytes) {

@@ -84,13 +84,15 @@ class CudaTiledCoder final : public TiledCoder {
     if (begunSamples_ == nullptr) leave();
   }
 
-  void beginToTakeSegments(ByteReader reader, bool hasNormals, const SampleFrame& frame) override {
+  void beginToTakeSegments(ByteReader reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame) override {
     if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
-    segmentError_ = worker().segments.beginToTake(reader, hasNormals, frame, held());
+    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held());
     begunSegments_ = &frame;
+    mayGoOn_ = true;
   }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
+    if (begunSegments_ == &frame) goOnTakingSegments(frame);
     if (tiledGridOf(frame, count).count() == 0) return;
     error_ = worker().samples.beginToTake(reader, placement, count, frame, held());
     begunSamples_ = &frame;
@@ -107,10 +109,11 @@ class CudaTiledCoder final : public TiledCoder {
     return std::exchange(error_, std::nullopt);
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    if (begunSegments_ != &frame) beginToTakeSegments(reader, hasNormals, frame);
+    if (begunSegments_ != &frame) beginToTakeSegments(reader, placement, hasNormals, most, frame);
+    goOnTakingSegments(frame);
     begunSegments_ = nullptr;
     if (segmentError_) return segmentError_;
-    return worker().segments.take(placement, hasNormals, most, frame, held());
+    return worker().segments.take(frame, held());
   }
 
   /// Page-locked: the device copies its part there itself, to pages that were written to before. Who sends it holds them so long.
@@ -143,6 +146,10 @@ class CudaTiledCoder final : public TiledCoder {
     if (!worker_) worker_.emplace(workers_);
     return **worker_;
   }
+  /// Once, after they were begun.
+  void goOnTakingSegments(const SampleFrame& frame) {
+    if (std::exchange(mayGoOn_, false) && !segmentError_) segmentError_ = worker().segments.goOnTaking(frame, held());
+  }
   /// What is decoded, where techniques of the device find it.
   CudaFrame& held() {
     if (!held_) held_ = std::make_shared<CudaFrame>(frames_);
@@ -152,6 +159,7 @@ class CudaTiledCoder final : public TiledCoder {
     worker_.reset();
     held_.reset();
     begunSegments_ = begunSamples_ = nullptr;
+    mayGoOn_ = false;
   }
 
   const std::shared_ptr<WorkspacePool> workers_ = WorkspacePool::ofProcess();
@@ -160,6 +168,7 @@ class CudaTiledCoder final : public TiledCoder {
   std::shared_ptr<CudaFrame> held_;  // of the frame that is read
   const SampleFrame *begunSegments_ = nullptr, *begunSamples_ = nullptr;  // whose are under way; null: nobody's
   std::vector<SummedWords> summed_;
+  bool mayGoOn_ = false;              // segments are begun, and nobody has gone on with them
   DecodeError segmentError_, error_;  // of segments and samples, while they are read
   TiledCoderPtr host_;  // of frames that are not for a device
 };
