@@ -256,13 +256,15 @@ DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::b
   Parts parts;
   const DecodeError cut = takeParts(reader, frame, parts);
   const Begun begun(*coder_);
-  const bool hasSegments = parts.bytes.segments > 0;  // which take longer
-  if (!cut && hasSegments) segments_->beginToTake(parts.segments, format, limits.maxSegments, frame);
-  if (!cut && !hasSegments) codec.beginToDecode(parts.samples, count, frame);
+  const bool hasSegments = parts.bytes.segments > 0;
+  if (!cut) {
+    // Segments take longer.
+    if (hasSegments) segments_->beginToTake(parts.segments, format, limits.maxSegments, frame);
+    codec.beginToDecode(parts.samples, count, frame);
+  }
   // While a device works, to which it does not matter what bytes are.
   if (hash != payloadHash(payload)) return "the payload is damaged: its bytes do not match their hash";
   if (cut) return cut;
-  if (hasSegments) codec.beginToDecode(parts.samples, count, frame);
   if (hasSegments)
     if (DecodeError error = segments_->take(parts.segments, format, limits.maxSegments, frame)) return error;
   frame.proxy.reset();

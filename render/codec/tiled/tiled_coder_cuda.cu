@@ -92,10 +92,11 @@ class CudaTiledCoder final : public TiledCoder {
   }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
-    if (begunSegments_ == &frame) goOnTakingSegments(frame);
-    if (tiledGridOf(frame, count).count() == 0) return;
-    error_ = worker().samples.beginToTake(reader, placement, count, frame, held());
-    begunSamples_ = &frame;
+    if (tiledGridOf(frame, count).count() > 0) {
+      error_ = worker().samples.beginToTake(reader, placement, count, frame, held());
+      begunSamples_ = &frame;
+    }
+    if (begunSegments_ == &frame) goOnTakingSegments(frame);  // samples go ahead, whose way to the host is free until segments want it
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
     if (tiledGridOf(frame, count).count() == 0) {
