@@ -15,6 +15,8 @@ class HeldFrame final : public FrameOnDevice {
  public:
   explicit HeldFrame(SampleFrame frame, bool isLost = false)
       : frame_(std::move(frame)), placements_{placementOf(frame_), borderPlacementOf(frame_)}, isLost_(isLost) {}
+  /// Placed as its marcher may have found it.
+  HeldFrame(SampleFrame frame, const FramePlacements& found) : frame_(std::move(frame)), placements_(found), isLost_(false) {}
 
   size_t sampleCount() const override { return frame_.size(); }
   size_t segmentCount() const override { return frame_.segments.size(); }

@@ -5,10 +5,13 @@
 #include <random>
 
 #include "render/base/error.h"
+#include "render/codec/bytes.h"
 #include "render/codec/color_differences.h"
+#include "render/codec/payload_hash.h"
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tiled/tile_layer.h"
 #include "render/codec/tiled/tiled_coder.h"
+#include "render/core/placed_hash.h"
 #include "tests/codec_frames.h"
 #include "tests/hostile_tiles.h"
 
@@ -164,6 +167,48 @@ TEST(FallbackTiledCoder, FramesGoOnOnTheHostAndTheReasonIsToldOnce) {
     }
     EXPECT_EQ(told, std::vector<std::string>{calls == 0 ? "none" : "unplugged"});
   }
+}
+
+/// A device that adds up words of segments, `isWrong` wrongly, and fails at samples if it is to.
+class SummingCoder final : public TiledCoder {
+ public:
+  SummingCoder(bool isWrong, bool fails) : isWrong_(isWrong), fails_(fails) {}
+
+  void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
+    const size_t at = out.size();
+    host_->appendSegments(out, frame, placement);
+    SummedWords words = SummedWords::within(at, out.size() - at);
+    for (size_t i = 0; i < words.count(); ++i) words.sum += placedHash(loadLittle<uint64_t>(out.data() + words.firstByte() + kHashedWordBytes * i), words.begin + i);
+    words.sum += isWrong_ ? 1 : 0;
+    summed_.push_back(words);
+  }
+  void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) override {
+    if (fails_) throw DeviceError("unplugged");
+    host_->appendSamples(out, frame, placement);
+  }
+  DecodeError takeSamples(ByteReader&, Placement, size_t, SampleFrame&) override { return "not asked for"; }
+  DecodeError takeSegments(ByteReader&, Placement, bool, size_t, SampleFrame&) override { return "not asked for"; }
+  std::vector<SummedWords> takeSummed() override { return std::exchange(summed_, {}); }
+  void forget() override {}
+
+ private:
+  const bool isWrong_, fails_;
+  std::vector<SummedWords> summed_;
+  const TiledCoderPtr host_ = makeHostTiledCoder();
+};
+
+TEST(FallbackTiledCoder, WhatWasAddedUpCountsUnlessTheDeviceFails) {
+  MarchSettings settings;
+  settings.sample.segments = 2;
+  const SampleFrame frame = marched(shells(), settings, 80, 50);
+  const ByteVector payload = FrameCodec().encode(frame, kTiled);
+  const auto encoded = [&](bool isWrong, bool fails) {
+    FrameCodec codec(makeFallbackTiledCoder([=] { return std::make_shared<SummingCoder>(isWrong, fails); }, {}));
+    return codec.encode(frame, kTiled);
+  };
+  EXPECT_TRUE(encoded(false, false) == payload);
+  EXPECT_FALSE(encoded(true, false) == payload) << "nobody listens to the device";
+  EXPECT_TRUE(encoded(true, true) == payload);
 }
 
 /// Knows whether something was begun and not ended.

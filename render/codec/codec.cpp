@@ -161,12 +161,13 @@ ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& set
   if (frame.isAway && !(codesOnDevices(settings) && std::ranges::all_of(frame.planes, isImplied))) return encode(onHost(frame), settings);
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
+  ByteVector payload;  // a device may still write to it until nothing is begun any more
   const Begun begun(*coder_);
   // Segments take longer.
-  if (frame.settings.sample.segments > 0) segments_->begin(frame, settings);
+  const Placement borders = frame.settings.sample.segments > 0 ? segments_->begin(frame, settings) : Placement::depth;
   codec.beginToEncode(frame);
   const size_t likely = bytes_.all() + bytes_.all() / 8;
-  ByteVector payload = codesOnDevices(settings) ? coder_->roomFor(likely) : ByteVector();
+  if (codesOnDevices(settings)) payload = coder_->roomFor(likely);
   payload.reserve(likely);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
   appendLittle(payload, uint64_t{0});
@@ -182,7 +183,7 @@ ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& set
   };
   FrameBytes bytes;
   for (const SamplePlane& plane : frame.planes) appendPart("plane \"" + plane.name + "\"", [&] { codec.encodePlane(frame, plane, payload); });
-  if (frame.settings.sample.segments > 0) bytes.segments = appendPart("list of segments", [&] { segments_->append(payload, frame, settings); });
+  if (frame.settings.sample.segments > 0) bytes.segments = appendPart("list of segments", [&] { segments_->append(payload, frame, settings, borders); });
   if (frame.settings.sample.proxy > 0) bytes.proxy = appendPart("copy of the volume", [&] { appendProxy(payload, *frame.proxy); });
   codec.encode(frame, settings, payload);
   sealPayload(payload, coder_->takeSummed());

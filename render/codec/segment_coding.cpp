@@ -9,12 +9,12 @@
 #include "render/base/shared_pool.h"
 #include "render/codec/color_plane_coder.h"
 #include "render/codec/picture_bands.h"
-#include "render/march/ray_pieces.h"
 #include "render/codec/segment_band.h"
 #include "render/codec/tiled/tiled_coder.h"
 #include "render/codec/tiled/tiled_segments.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
+#include "render/march/ray_pieces.h"
 
 namespace warpscope {
 namespace {
@@ -146,26 +146,27 @@ void requireConsistentSegments(const SampleFrame& frame) {
   if (DecodeError error = whyInconsistentSegments(frame)) throw InputError(*error);
 }
 
-void SegmentCoder::begin(const SampleFrame& frame, const CodecSettings& settings) {
-  placement_ = settings.format == PayloadFormat::raw ? Placement::depth : borderPlacementOf(frame);
-  if (settings.format == PayloadFormat::tiled) tiled_->beginToAppendSegments(frame, placement_);
+Placement SegmentCoder::begin(const SampleFrame& frame, const CodecSettings& settings) {
+  const Placement placement = settings.format == PayloadFormat::raw ? Placement::depth : borderPlacementOf(frame);
+  if (settings.format == PayloadFormat::tiled) tiled_->beginToAppendSegments(frame, placement);
+  return placement;
 }
 
-void SegmentCoder::append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings) {
+void SegmentCoder::append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings, Placement placement) {
   const FrameSegments& segments = frame.segments;
-  appendLittle(out, static_cast<uint8_t>(placement_));
+  appendLittle(out, static_cast<uint8_t>(placement));
   appendLittle(out, static_cast<uint8_t>(settings.color));
   const bool hasNormals = frame.isAway ? frame.device->hasNormals() : !segments.normals.empty();
   appendLittle(out, static_cast<uint8_t>(hasNormals ? 1 : 0));
   if (settings.format == PayloadFormat::raw) return appendRaw(out, segments);
-  if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement_);
+  if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement);
   const PictureBands bands(frame.camera);
   const std::vector<size_t> begins = beginsOf(bands, frame);
   std::vector<ByteVector> packed(bands.count());
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     const auto own = bands_->take();
     for (size_t band = from; band < to; ++band)
-      own->pack(frame, placement_, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
+      own->pack(frame, placement, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
   });
   appendLittle(out, hashOf(segments));
   for (const ByteVector& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));

@@ -38,10 +38,10 @@ class SegmentCoder {
   explicit SegmentCoder(TiledCoderPtr coder);
   ~SegmentCoder();
 
-  /// Comes before append() of the same: a device may begin with it, and what else there is of the frame be begun as well.
-  void begin(const SampleFrame& frame, const CodecSettings& settings);
-  /// Appends the frame's segments, which are consistent.
-  void append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings);
+  /// Comes before append() of the same: a device may begin with it, and what else there is of the frame be begun as well. Returns how borders are placed.
+  Placement begin(const SampleFrame& frame, const CodecSettings& settings);
+  /// Appends the frame's segments, which are consistent, to a payload.
+  void append(ByteVector& out, const SampleFrame& frame, const CodecSettings& settings, Placement placement);
 
   /// Comes before take() of the same, whether they are whole or not. The bytes must stay until then.
   void beginToTake(std::span<const std::byte> bytes, PayloadFormat format, size_t most, const SampleFrame& frame);
@@ -54,7 +54,6 @@ class SegmentCoder {
  private:
   const std::shared_ptr<SharedPool<SegmentBand>> bands_;
   const TiledCoderPtr tiled_;
-  Placement placement_ = Placement::depth;  // of the frame that was begun
 };
 
 }  // namespace warpscope

@@ -28,6 +28,7 @@ InteropTexture::InteropTexture(unsigned, uint32_t, uint32_t) { refuse(); }
 InteropTexture::~InteropTexture() = default;
 void InteropTexture::show(const DevicePicture&) { refuse(); }
 std::pmr::memory_resource* pinnedMemory() { refuse(); }
+std::pmr::memory_resource* pinnedOrPlainMemory() { refuse(); }
 
 }  // namespace cuda
 

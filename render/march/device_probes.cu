@@ -6,6 +6,9 @@ namespace {
 
 constexpr unsigned kProbeThreads = kMostFrameProbes;  // one for each that there may be
 
+/// Of how many threads of the block that is so.
+__device__ uint32_t votesFor(bool is) { return static_cast<uint32_t>(__syncthreads_count(is)); }
+
 __global__ void __launch_bounds__(kProbeThreads) lookAtSamples(PathGrid paths, const PackedSample* samples, const uint32_t* sampleCount, SampleVotes* votes) {
   const size_t count = *sampleCount, at = threadIdx.x * probeStride(count);
   const bool isThere = at < count;
@@ -16,7 +19,6 @@ __global__ void __launch_bounds__(kProbeThreads) lookAtSamples(PathGrid paths, c
     isOnStep = isOnLattice(path, depthCode(sample), paths.step, paths.depthStep, false);
     isOnHalfStep = isOnLattice(path, depthCode(sample), paths.step, paths.depthStep, true);
   }
-  const auto votesFor = [](bool is) { return static_cast<uint32_t>(__syncthreads_count(is)); };
   const SampleVotes all{votesFor(isThere), votesFor(isOnStep), votesFor(isOnHalfStep)};
   if (threadIdx.x == 0) *votes = all;
 }
@@ -30,7 +32,6 @@ __global__ void __launch_bounds__(kProbeThreads)
     const PixelPath path = paths.path(static_cast<uint32_t>(pixel) % width, static_cast<uint32_t>(pixel) / width);
     isNear = isNearBorder(path, depths[ends[pixel] - own].begin, paths.step, paths.depthStep);
   }
-  const auto votesFor = [](bool is) { return static_cast<uint32_t>(__syncthreads_count(is)); };
   const BorderVotes all{votesFor(own > 0), votesFor(isNear)};
   if (threadIdx.x == 0) *votes = all;
 }

@@ -21,10 +21,17 @@ class CudaSampleTiles : public CudaTiles {
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
 
-  /// `count` samples, to `held` as well; both it and the bytes must stay until take().
+  /// `count` samples, to `held` as well, which must stay until take().
   DecodeError beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held);
   /// Fills samples and colours of the frame, and kLayerPlane if it has that.
   DecodeError take(SampleFrame& frame, CudaFrame& held);
+  /// Waits for what is under way, and drops it.
+  void settle() noexcept {
+    wait();
+    takenSamples_ = {};
+    takenColors_ = {};
+    takenLayers_ = {};
+  }
 
  private:
   struct Memory {

@@ -14,18 +14,23 @@ struct SegmentView;
 /// In steps, between which the device works: begin, and append or take, of the same frame.
 class CudaSegmentTiles : public CudaTiles {
  public:
-  CudaSegmentTiles() : CudaTiles(cuda::Urgency::first) {}  // a frame's samples are done sooner
+  CudaSegmentTiles() : CudaTiles(cuda::Urgency::first) {}  // they take longer than samples, and both are waited for
 
   /// False for a frame that is not for a device: without segments, or with more bytes than it counts.
   static bool takes(const SampleFrame& frame);
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
-  /// At most `most`, to `held` as well; both it and the bytes must stay until take().
+  /// At most `most`, to `held` as well, which must stay until take().
   DecodeError beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held);
   /// Waits until it is known how many there are; from then on the device needs nobody.
   DecodeError goOnTaking(const SampleFrame& frame, CudaFrame& held);
   /// Fills the frame's segments. After goOnTaking().
   DecodeError take(SampleFrame& frame, CudaFrame& held);
+  /// Waits for what is under way, and drops it.
+  void settle() noexcept {
+    wait();
+    taken_.segments = {};
+  }
 
  private:
   struct Memory {

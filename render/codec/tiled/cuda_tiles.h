@@ -21,14 +21,13 @@ inline constexpr const char* kDamagedTiles = "a tile of the payload is damaged";
 /// One frame at a time; keeps its buffers.
 class CudaTiles {
  public:
-  /// Waits for what is under way, whether the device can or not: memory of the host is free again.
-  void wait() noexcept { cudaStreamSynchronize(stream_); }
-
   /// What was begun, to a payload. Waits. Of the words that are summed the device knows what they add up to.
   SummedWords append(ByteVector& out);
 
  protected:
   explicit CudaTiles(cuda::Urgency urgency) : stream_(urgency) {}
+  /// Waits for what is under way, whether the device can or not: memory of the host is free again.
+  void wait() noexcept { cudaStreamSynchronize(stream_); }
 
   static constexpr unsigned kThreads = 256;
 

@@ -3,7 +3,9 @@
 #include "render/codec/tiled/device_sheet.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <type_traits>
 
 #include "render/codec/tiled/block_sums.cuh"
 #include "render/codec/tiled/device_hash.cuh"

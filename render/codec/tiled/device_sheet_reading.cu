@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstring>
 
-#include "render/march/ray_pieces.h"
 #include "render/codec/tiled/block_sums.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
 #include "render/core/parallel_copy.h"
 #include "render/march/frame_segments.h"
+#include "render/march/ray_pieces.h"
 
 namespace warpscope {
 namespace {

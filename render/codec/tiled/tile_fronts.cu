@@ -3,9 +3,9 @@
 #include "render/codec/tiled/tile_fronts.h"
 
 #include "render/codec/band_layout.h"
-#include "render/march/pixel_places.h"
 #include "render/codec/tokens.h"
 #include "render/cuda/warp_reduce.cuh"
+#include "render/march/pixel_places.h"
 
 namespace warpscope {
 namespace {

@@ -71,12 +71,8 @@ class FallbackTiledCoder final : public TiledCoder {
     begin([&](TiledCoder& coder) { coder.beginToTakeSamples(reader, placement, count, frame); });
   }
   ByteVector roomFor(size_t bytes) override {
-    try {
-      return coder().roomFor(bytes);
-    } catch (const DeviceError& error) {
-      leave(error);
-      return coder_->roomFor(bytes);
-    }
+    begin([](TiledCoder&) {});  // it is made
+    return coder_->roomFor(bytes);
   }
   std::vector<SummedWords> takeSummed() override { return coder_ ? coder_->takeSummed() : std::vector<SummedWords>(); }
   void endBegun() override {
@@ -107,10 +103,7 @@ class FallbackTiledCoder final : public TiledCoder {
       call(coder());
     } catch (const DeviceError& error) {
       leave(error);
-      // Page-locked memory may be what failed.
-      ByteVector before = coder_->roomFor(out.capacity());
-      before.insert(before.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
-      out = std::move(before);
+      out.resize(size);
       call(*coder_);
     }
   }

@@ -17,12 +17,12 @@ class TiledCoder {
  public:
   virtual ~TiledCoder() = default;
 
-  /// Appends the samples and colours of a frame that codec.h takes to a payload: tiled_samples.h.
+  /// Appends the samples and colours of a frame that codec.h takes to a payload, from whose first byte `out` is: tiled_samples.h.
   virtual void appendSamples(ByteVector& out, const SampleFrame& frame, Placement placement) = 0;
   /// Fills `count` samples and colours of the frame, and kLayerPlane if it has that. All else of it is known.
   virtual DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) = 0;
 
-  /// Appends the frame's segments, which are consistent: tiled_segments.h.
+  /// Likewise the frame's segments, which are consistent: tiled_segments.h.
   virtual void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) = 0;
   /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
@@ -33,7 +33,7 @@ class TiledCoder {
   virtual void beginToAppendSamples(const SampleFrame&, Placement) {}
   virtual void beginToTakeSegments(ByteReader, Placement, bool /*hasNormals*/, size_t /*most*/, const SampleFrame&) {}
   virtual void beginToTakeSamples(ByteReader, Placement, size_t /*count*/, const SampleFrame&) {}
-  /// An empty payload with room for so many bytes, where appending to it is quickest.
+  /// An empty payload with room for so many bytes, in memory in which appending is quickest. No DeviceError.
   virtual ByteVector roomFor(size_t bytes) {
     ByteVector payload;
     payload.reserve(bytes);

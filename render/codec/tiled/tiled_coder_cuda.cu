@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <semaphore>
+#include <utility>
 
 #include "render/base/shared_pool.h"
 #include "render/codec/tiled/cuda_sample_tiles.h"
@@ -28,10 +29,10 @@ class CudaWorker {
  public:
   explicit CudaWorker(const std::shared_ptr<WorkspacePool>& workers) : tiles_(workers->take()) {}
   Workspace& operator*() const { return *tiles_; }
-  /// Until memory of the host that either works with is free again.
-  void wait() const {
-    tiles_->samples.wait();
-    tiles_->segments.wait();
+  /// Nothing is under way then, and nothing is held of what was.
+  void settle() const {
+    tiles_->samples.settle();
+    tiles_->segments.settle();
   }
 
  private:
@@ -55,7 +56,10 @@ class CudaWorker {
 class CudaTiledCoder final : public TiledCoder {
  public:
   CudaTiledCoder() { workers_->take(); }  // fails here if it does
-  ~CudaTiledCoder() override { endBegun(); }
+  ~CudaTiledCoder() override {
+    endBegun();
+    cuda::giveBackPinnedMemory();
+  }
 
   void beginToAppendSegments(const SampleFrame& frame, Placement placement) override {
     if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
@@ -117,17 +121,15 @@ class CudaTiledCoder final : public TiledCoder {
     return worker().segments.take(frame, held());
   }
 
-  /// Page-locked: the device copies its part there itself, to pages that were written to before. Who sends it holds them so long.
+  /// Page-locked if it can be: the device copies its part there itself, to pages that were written to before. Who sends it holds them so long.
   ByteVector roomFor(size_t bytes) override {
-    ByteVector payload(TransferAllocator<std::byte>(cuda::pinnedMemory()));
+    ByteVector payload(TransferAllocator<std::byte>(cuda::pinnedOrPlainMemory()));
     payload.reserve(bytes);
     return payload;
   }
   std::vector<SummedWords> takeSummed() override { return std::exchange(summed_, {}); }
   void endBegun() override {
     summed_.clear();
-    if (!worker_) return;
-    worker_->wait();
     leave();
   }
   void forget() override {
@@ -157,6 +159,7 @@ class CudaTiledCoder final : public TiledCoder {
     return *held_;
   }
   void leave() {
+    if (worker_) worker_->settle();
     worker_.reset();
     held_.reset();
     begunSegments_ = begunSamples_ = nullptr;

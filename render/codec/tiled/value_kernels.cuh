@@ -5,12 +5,12 @@
 #include <cstdint>
 
 #include "render/codec/bytes.h"
-#include "render/march/pixel_places.h"
 #include "render/codec/tiled/device_hash.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_fronts.h"
 #include "render/codec/tokens.h"
+#include "render/march/pixel_places.h"
 
 namespace warpscope {
 namespace {
