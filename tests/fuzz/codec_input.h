@@ -19,7 +19,6 @@ struct CodecInput {
   ByteVector payload;  ///< its hash is right, so that what lies behind it is reached
 };
 
-inline constexpr size_t kPayloadHeadBytes = 1 + 8;  ///< format and hash
 inline constexpr uint32_t kWider = 40;              ///< times, of a wide picture
 inline constexpr int kFuzzedProxy = 16;             ///< voxels along the copy's longest edge, at most
 
