@@ -18,7 +18,7 @@ namespace warpscope::cuda {
 namespace {
 
 constexpr size_t kSmallestBlockBytes = size_t{1} << 16;
-/// More than this is not kept, locked pages being pages that others cannot have; or a sixteenth of what is free at first, where that is more: the segments of a
+/// What is free beyond this is unlocked when somebody asks for more, locked pages being pages that others cannot have; or a sixteenth of what is free at first, where that is more: the segments of a
 /// large frame are gigabytes, and locking them takes ten times as long as copying.
 constexpr size_t kLeastKeptBytes = size_t{1} << 28, kKeptShare = 16;
 size_t mostKeptBytes() { return std::max(kLeastKeptBytes, static_cast<size_t>(availableMemoryBytes().value_or(0)) / kKeptShare); }

@@ -45,10 +45,10 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
     if (isLayered) held.layers.upload(frame.layers(), stream_);
   }
   const SampleView samples = viewOf(frame, placement, count, roomIn(held, count, isLayered));
-  clearHash();
+  hash_.clear(stream_);
   countSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view, hash_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  fetchHash();
+  hash_.fetch(stream_);
   sheet_.count();
   sheet_.makeMasks();
   arrangeSamples<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples, view);
@@ -74,11 +74,11 @@ DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement
   sheet_.takePlanes();
   findOrigins<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples.paths, view, origins_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  clearHash();
+  hash_.clear(stream_);
   takeFronts(view, samples.jobs(), stream_);
   finishSamples<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples, view, hash_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  fetchHash();
+  hash_.fetch(stream_);
   sheet_.askForReport();
   count_ = count;
   takenSamples_ = pinned<PackedSample>(count);
@@ -95,7 +95,7 @@ DecodeError CudaSampleTiles::take(SampleFrame& frame, CudaFrame& held) {
   if ((report.flags & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
   if (report.values != count_) return kOtherNumbers;
   if (report.flags != 0) return kDamagedTiles;
-  if (*hashOnHost_.data() != hashSent_) return kOtherSamples;
+  if (hash_.onHost() != hashSent_) return kOtherSamples;
   frame.samples = std::move(takenSamples_);
   frame.colors = std::move(takenColors_);
   for (SamplePlane& plane : frame.planes)

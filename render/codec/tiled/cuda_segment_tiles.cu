@@ -31,11 +31,11 @@ SegmentView CudaSegmentTiles::viewOf(const SampleFrame& frame, Placement placeme
 }
 
 void CudaSegmentTiles::hash(const SegmentView& segments) {
-  clearHash();
+  hash_.clear(stream_);
   constexpr unsigned kMostBlocks = 1024;  // each ends with additions to one word, which wait for one another
   hashSegments<<<std::min(kMostBlocks, cuda::blocksFor(std::max(segments.pixels, segments.count), kThreads)), kThreads, 0, stream_>>>(segments, hash_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  fetchHash();
+  hash_.fetch(stream_);
 }
 
 void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placement) {
@@ -112,7 +112,7 @@ DecodeError CudaSegmentTiles::goOnTaking(const SampleFrame& frame, CudaFrame& he
 DecodeError CudaSegmentTiles::take(SampleFrame& frame, CudaFrame& held) {
   const uint32_t flags = sheet_.report().flags;
   if ((flags & ~kDisordered) != 0) return "a tile of segments is damaged";
-  if (*hashOnHost_.data() != taken_.hashSent) return kOtherSegments;
+  if (hash_.onHost() != taken_.hashSent) return kOtherSegments;
   if (flags != 0) return kDisorderedSegments;
   frame.segments = std::move(taken_.segments);
   CudaFrameSizes sizes = held.sizes();

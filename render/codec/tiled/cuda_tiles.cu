@@ -18,15 +18,11 @@ void CudaTiles::reserveStreams(size_t values) {
   for (cuda::DeviceBuffer<uint32_t>& words : words_) words.reserve(values);
 }
 
-void CudaTiles::clearHash() { WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(hash_.data(), 0, sizeof(unsigned long long), stream_)); }
-
-void CudaTiles::fetchHash() { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hashOnHost_.data(), hash_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_)); }
-
 SummedWords CudaTiles::append(ByteVector& out) {
   const size_t hashAt = out.size();
   appendLittle(out, uint64_t{0});
   const SummedWords summed = sheet_.append(out);  // waits for all
-  storeLittle(out.data() + hashAt, *hashOnHost_.data());
+  storeLittle(out.data() + hashAt, hash_.onHost());
   return summed;
 }
 

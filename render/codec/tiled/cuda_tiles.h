@@ -7,6 +7,7 @@
 
 #include "render/codec/pixel_path.h"
 #include "render/codec/tiled/device_sheet.h"
+#include "render/codec/tiled/device_sum.h"
 #include "render/codec/tiled/tile_fronts.h"
 #include "render/core/transfer_vector.h"
 #include "render/cuda/memory.h"
@@ -43,17 +44,13 @@ class CudaTiles {
   PathGrid pathsOf(const SampleFrame& frame, Placement placement);
   /// Room for as many values, in the order of streams.
   void reserveStreams(size_t values);
-  void clearHash();
-  /// To hashOnHost_, when the stream has got there.
-  void fetchHash();
   const cuda::Stream stream_;
   DeviceSheet sheet_{stream_};
   SheetHead head_;
   cuda::DeviceBuffer<int32_t> origins_;
   cuda::DeviceBuffer<uint32_t> words_[FrontJobs::kMost];
   cuda::DeviceBuffer<float> noise_;
-  cuda::DeviceBuffer<unsigned long long> hash_{1};
-  cuda::PinnedValue<uint64_t> hashOnHost_;
+  DeviceSum hash_;
 };
 
 }  // namespace warpscope

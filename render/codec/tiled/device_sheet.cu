@@ -366,17 +366,17 @@ SummedWords DeviceSheet::append(ByteVector& out) {
   const size_t at = out.size();
   SummedWords summed = SummedWords::within(at, packedBytes);
   out.resize(at + packedBytes);
-  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(sum_.data(), 0, sizeof(unsigned long long), stream_));
+  sum_.clear(stream_);
   if (summed.count() > 0) {
     constexpr unsigned kMostBlocks = 512, kThreads = 256;
     sumWords<<<std::min(kMostBlocks, cuda::blocksFor(summed.count(), kThreads)), kThreads, 0, stream_>>>(
         reinterpret_cast<const uint32_t*>(packed_.data()), static_cast<uint32_t>(summed.firstByte() - at), summed, sum_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(sumOnHost_.data(), sum_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_));
+  sum_.fetch(stream_);
   WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(out.data() + at, packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
   WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
-  summed.sum = *sumOnHost_.data();
+  summed.sum = sum_.onHost();
   return summed;
 }
 

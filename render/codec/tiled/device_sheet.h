@@ -8,6 +8,7 @@
 
 #include "render/codec/payload_hash.h"
 #include "render/codec/tiled/ans.h"
+#include "render/codec/tiled/device_sum.h"
 #include "render/codec/tiled/tile_grid.h"
 #include "render/codec/tiled/tiled_sheet.h"
 #include "render/core/transfer_vector.h"
@@ -125,8 +126,7 @@ class DeviceSheet {
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;
   cuda::PinnedValue<SheetReport> report_;
-  cuda::DeviceBuffer<unsigned long long> sum_{1};
-  cuda::PinnedValue<uint64_t> sumOnHost_;
+  DeviceSum sum_;  ///< of words that are appended
   cuda::Event told_;  ///< heads of what is written are in host_
   TransferVector<std::byte> host_;  // page-locked
 };

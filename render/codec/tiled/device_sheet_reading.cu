@@ -7,7 +7,7 @@
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
-#include "render/core/parallel_copy.h"
+#include "render/core/parallel.h"
 #include "render/march/frame_segments.h"
 #include "render/march/ray_pieces.h"
 
@@ -202,7 +202,10 @@ bool DeviceSheet::upload(const SheetHead& head) {
       std::memcpy(reads + (size_t{tile} * view_.layers + layer) * sizeof read, &read, sizeof read);
     }
   }
-  parallelCopy(packed, first, bytes);
+  constexpr size_t kCopied = size_t{1} << 18;  // at once: one core would take longer than the link
+  parallelForRanges((bytes + kCopied - 1) / kCopied, 1, [&](size_t begin, size_t end) {
+    std::memcpy(packed + begin * kCopied, first + begin * kCopied, std::min(end * kCopied, bytes) - begin * kCopied);
+  });
   frequencies_.reserve(models * kAnsSymbols);
   slots_.reserve(models * kAnsScale);
   reads_.reserve(streams);
