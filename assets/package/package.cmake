@@ -25,9 +25,9 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 if(WARPSCOPE_LEVELS)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)  # the package's own libraries are no other's
 endif()
-# What is loaded by name at run time, which dpkg-shlibdeps cannot see: Mesa's drivers, for EGL as well as for GLX, and what GLFW takes from X11.
+# What is loaded by name at run time, which dpkg-shlibdeps cannot see: Mesa's drivers, for EGL as well as for GLX, Mesa into memory, and what GLFW takes from X11.
 set(CPACK_DEBIAN_WARPSCOPE_PACKAGE_DEPENDS
-  "libgl1-mesa-dri, libx11-xcb1, libxcursor1, libxi6, libxinerama1, libxrandr2, libxrender1, libxxf86vm1")
+  "libgl1-mesa-dri, libosmesa6, libx11-xcb1, libxcursor1, libxi6, libxinerama1, libxrandr2, libxrender1, libxxf86vm1")
 if(WARPSCOPE_HAS_CUDA)
   set(CPACK_DEBIAN_WARPSCOPE_PACKAGE_SUGGESTS libcuda1)  # the driver; CUDA's runtime library is linked in
 endif()

@@ -1,10 +1,12 @@
-// Contexts through OSMesa: Mesa's software rasteriser without any window system or device.
-// Mesa 22 osmesa.h, OSMesaCreateContextAttribs.
+// Contexts through OSMesa: Mesa's software rasteriser without any window system or device. Mesa 22 osmesa.h, OSMesaCreateContextAttribs.
+// Loaded when it is asked for: it brings LLVM along, and a program that is linked with it takes three times as long to start.
 // The loader's header comes first: it keeps Mesa's own gl.h out, which <GL/osmesa.h> includes.
 #include "render/gl/context.h"
 
 #include <GL/osmesa.h>
+#include <dlfcn.h>
 
+#include <type_traits>
 #include <vector>
 
 #include "render/base/error.h"
@@ -12,20 +14,51 @@
 namespace warpscope::gl {
 namespace {
 
+/// What is used of the library, which stays once it is loaded.
+class Osmesa {
+ public:
+  /// Throws InputError.
+  static const Osmesa& instance() {
+    static const Osmesa library;
+    return library;
+  }
+
+  decltype(&OSMesaGetProcAddress) getProcAddress;
+  decltype(&OSMesaCreateContextAttribs) createContext;
+  decltype(&OSMesaMakeCurrent) makeCurrent;
+  decltype(&OSMesaDestroyContext) destroyContext;
+
+ private:
+  Osmesa() {
+    void* const library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) throw InputError(dlerror());
+    const auto find = [library](const char* name, auto& function) {
+      void* const found = dlsym(library, name);
+      if (found == nullptr) throw InputError(dlerror());
+      function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
+    };
+    find("OSMesaGetProcAddress", getProcAddress);
+    find("OSMesaCreateContextAttribs", createContext);
+    find("OSMesaMakeCurrent", makeCurrent);
+    find("OSMesaDestroyContext", destroyContext);
+  }
+};
+
 class OsmesaContext final : public Context {
  public:
-  OsmesaContext(OSMesaContext context, std::unique_ptr<EntryPoints> entryPoints)
-      : context_(context), entryPoints_(std::move(entryPoints)) {}
-  ~OsmesaContext() override { OSMesaDestroyContext(context_); }
+  OsmesaContext(const Osmesa& osmesa, OSMesaContext context, std::unique_ptr<EntryPoints> entryPoints)
+      : osmesa_(osmesa), context_(context), entryPoints_(std::move(entryPoints)) {}
+  ~OsmesaContext() override { osmesa_.destroyContext(context_); }
   void makeCurrent() override {
     // OSMesa insists on a buffer for a default framebuffer; nothing is ever drawn into it.
-    if (!OSMesaMakeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1))
+    if (!osmesa_.makeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1))
       throw InputError("OSMesaMakeCurrent failed");
     entryPoints_->load();
   }
   std::string_view platformName() const override { return "OSMesa"; }
 
  private:
+  const Osmesa& osmesa_;
   OSMesaContext context_;
   const std::unique_ptr<EntryPoints> entryPoints_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(16);
@@ -34,21 +67,23 @@ class OsmesaContext final : public Context {
 }  // namespace
 
 std::unique_ptr<Context> makeOsmesaContext(std::string& reason) {
+  const Osmesa* osmesa = nullptr;
   std::unique_ptr<EntryPoints> entryPoints;
   try {
-    entryPoints = std::make_unique<EntryPoints>(reinterpret_cast<GLADloadfunc>(OSMesaGetProcAddress), "OSMesa");
+    osmesa = &Osmesa::instance();
+    entryPoints = std::make_unique<EntryPoints>(reinterpret_cast<GLADloadfunc>(osmesa->getProcAddress), "OSMesa");
   } catch (const InputError& error) {
     reason = error.what();
     return nullptr;
   }
   const int attributes[] = {OSMESA_FORMAT,  OSMESA_RGBA, OSMESA_DEPTH_BITS, 0, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
                             OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
-  OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr);
+  OSMesaContext context = osmesa->createContext(attributes, nullptr);
   if (context == nullptr) {
     reason = "no OpenGL 4.5 core context";
     return nullptr;
   }
-  auto made = std::make_unique<OsmesaContext>(context, std::move(entryPoints));
+  auto made = std::make_unique<OsmesaContext>(*osmesa, context, std::move(entryPoints));
   try {
     made->makeCurrent();
   } catch (const InputError& error) {
