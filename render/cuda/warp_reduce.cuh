@@ -11,7 +11,7 @@ namespace warpscope {
 
 constexpr uint32_t kAllLanes = 0xffffffffu;
 
-/// Least and greatest of values that are not negative: such floats are ordered as their bits are.
+/// Least and greatest, of floats that are not negative: such are ordered as their bits are.
 __device__ inline float warpMin(float value) {
   uint32_t bits = __float_as_uint(value);
 #if __CUDA_ARCH__ >= 800
@@ -21,14 +21,39 @@ __device__ inline float warpMin(float value) {
 #endif
   return __uint_as_float(bits);
 }
-__device__ inline float warpMax(float value) {
-  uint32_t bits = __float_as_uint(value);
+
+__device__ inline uint32_t warpMax(uint32_t value) {
 #if __CUDA_ARCH__ >= 800
-  bits = __reduce_max_sync(kAllLanes, bits);
+  return __reduce_max_sync(kAllLanes, value);
 #else
-  for (int offset = 16; offset > 0; offset /= 2) bits = max(bits, __shfl_xor_sync(kAllLanes, bits, offset));
+  for (int offset = 16; offset > 0; offset /= 2) value = max(value, __shfl_xor_sync(kAllLanes, value, offset));
+  return value;
 #endif
-  return __uint_as_float(bits);
+}
+__device__ inline float warpMax(float value) { return __uint_as_float(warpMax(__float_as_uint(value))); }
+/// The bits that any lane has.
+__device__ inline uint32_t warpOr(uint32_t bits) {
+#if __CUDA_ARCH__ >= 800
+  return __reduce_or_sync(kAllLanes, bits);
+#else
+  for (int offset = 16; offset > 0; offset /= 2) bits |= __shfl_xor_sync(kAllLanes, bits, offset);
+  return bits;
+#endif
+}
+
+/// Of a value of each lane.
+struct WarpSums {
+  uint32_t before;  ///< the sum of those of the lanes before this one
+  uint32_t all;
+};
+__device__ inline WarpSums warpSums(uint32_t value) {
+  const unsigned lane = threadIdx.x % 32;
+  uint32_t upTo = value;
+  for (unsigned offset = 1; offset < 32; offset *= 2) {
+    const uint32_t other = __shfl_up_sync(kAllLanes, upTo, offset);
+    if (lane >= offset) upTo += other;
+  }
+  return {upTo - value, __shfl_sync(kAllLanes, upTo, 31)};
 }
 
 /// The box around all lanes' boxes, empty ones left out.

@@ -17,7 +17,7 @@ struct SphereLoad {
   double spheres = 0.0;
   double fragments = 0.0;    ///< pixels in all spheres' footprints
   double tiles = 0.0;        ///< tiles of 8 x 8 pixels that footprints touch, in all
-  double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for the warp that walks it
+  double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for the warp that does
 };
 
 /// Estimates loads from spheres that stand for all of a frame's.

@@ -14,6 +14,7 @@ namespace warpscope {
 template <int kPieces>
 struct NearestPieces {
   static constexpr int kKept = kPieces;
+  static constexpr bool kAreAlike = false;  // seen from aside, some pieces are many times as long as others
   SamplesOnDevice frame;
   glm::vec3 origin;    ///< from the frame's eye to the rays'
   bool isOrthonormal;  ///< the frame's camera
@@ -96,7 +97,7 @@ class SplattedSurfaces {
     const unsigned blocks = cuda::blocksFor(size_t{camera.width} * camera.height, kSurfaceThreads);
     resolvePieces<kSurfaces><<<blocks, kSurfaceThreads, 0, stream>>>(pieces, samples, camera, pixels, nearest, isWanted_.data(), tiles(camera.width));
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    walk_.walk(NearestOfSpheres{}, wide, camera, nearest, {isWanted_.data(), tiles(camera.width)}, stream);
+    walk_.walk(NearestInGaps{}, wide, camera, nearest, {isWanted_.data(), tiles(camera.width)}, stream);
     closeGaps<<<blocks, kSurfaceThreads, 0, stream>>>(nearest, samples, rays, frameCamera, camera, pixels);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }

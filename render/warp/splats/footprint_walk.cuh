@@ -1,9 +1,10 @@
 // Every sphere's footprint is walked, small, middling and large ones each in their own way, and of what the rays of its pixels hit the nearest is kept. For .cu files.
-// A thread for each sphere; footprints that would hold a warp up are walked by the whole warp, and those that would hold the picture up by many blocks. What counts as a hit and how many
-// are kept for a pixel is the caller's.
+// A thread for each sphere; where those of a warp have unequally much to do they share its pixels, and footprints that would hold the picture up are walked by many blocks. What counts as a
+// hit and how many are kept for a pixel is the caller's.
 #pragma once
 
 #include <numeric>
+#include <type_traits>
 
 #include "render/core/ray_sphere.h"
 #include "render/cuda/memory.h"
@@ -19,7 +20,7 @@ namespace warpscope {
 constexpr unsigned kWalkThreads = 128;
 
 /// Blocks that share the large footprints: enough to fill any device several times over.
-constexpr unsigned kLargeBlocks = 4096;
+constexpr unsigned kLargeBlocks = 1024;
 
 /// What is kept of a hit: bits of its distance above, the sample's place in the frame below. Nearer hits are smaller, of equally near ones those that come first in the frame.
 using KeptHit = unsigned long long;
@@ -47,7 +48,7 @@ struct WantedTiles {
   uint32_t perRow = 0;
 };
 
-/// Hits: how many of them are kept for a pixel (kKept); footprintOf(view, id, sphere), all pixels that may have one; distanceOf(id, direction, toCenter, t), which distance counts where a
+/// Hits: how many of them are kept for a pixel (kKept); whether spheres beside each other mostly have about as many pixels (kAreAlike); footprintOf(view, id, sphere), all pixels that may have one; distanceOf(id, direction, toCenter, t), which distance counts where a
 /// ray meets the sphere at t: never less than t, and kNoHit for what is no hit after all.
 template <class Hits>
 struct SplatJob {
@@ -118,13 +119,13 @@ __device__ const KeptHit* lastPlane(const SplatJob<Hits>& job) {
 }
 
 /// One pixel, by one of several lanes side by side.
-template <class Hits>
+template <bool kLooksFirst, class Hits>
 __device__ void splatAlone(const SplatJob<Hits>& job, const Splat& splat, uint32_t x, uint32_t y) {
-  splatPixel<true>(job, splat, x, y, __ldcg(lastPlane(job) + job.planes.at(x, y)));
+  splatPixel<kLooksFirst>(job, splat, x, y, __ldcg(lastPlane(job) + job.planes.at(x, y)));
 }
 
 /// A whole footprint, by one lane. What it reads may get nearer meanwhile, never farther: a stale value costs a test, nothing else.
-template <class Hits>
+template <bool kLooksFirst, class Hits>
 __device__ void splatAll(const SplatJob<Hits>& job, const Splat& splat, const PixelRect& rect) {
   // One loop over all pixels: with one inside another, lanes with narrow footprints would wait at the end of every row. Two pixels are read at once, and the next two meanwhile.
   const int first = rect.x0 / 2 * 2, last = (rect.x1 - 1) / 2 * 2;
@@ -143,8 +144,8 @@ __device__ void splatAll(const SplatJob<Hits>& job, const Splat& splat, const Pi
       nextX += 2;
     }
     if (nextY != rect.y1) next = read(nextX, nextY);
-    if (x >= rect.x0) splatPixel<false>(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y), there.x);
-    if (x + 1 < rect.x1) splatPixel<false>(job, splat, static_cast<uint32_t>(x + 1), static_cast<uint32_t>(y), there.y);
+    if (x >= rect.x0) splatPixel<kLooksFirst>(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y), there.x);
+    if (x + 1 < rect.x1) splatPixel<kLooksFirst>(job, splat, static_cast<uint32_t>(x + 1), static_cast<uint32_t>(y), there.y);
   }
 }
 
@@ -168,50 +169,91 @@ __device__ inline uint32_t areaOf(const PixelRect& rect) {
   return rect.isEmpty() ? 0u : static_cast<uint32_t>(rect.x1 - rect.x0) * static_cast<uint32_t>(rect.y1 - rect.y0);
 }
 
-__device__ inline int shuffled(int value, int lane) { return __shfl_sync(kAllLanes, value, lane); }
+/// Spheres of a warp whose footprints its lanes walk together: those that have any, one behind the other.
+struct SharedFootprints {
+  float4 widened[32];
+  float radius[32], outside[32], nearest[32], perWidth[32];
+  uint32_t id[32];
+  uint32_t first[32];  ///< of its pixels among those of all
+  int x0[32], y0[32], width[32];
+};
 
-/// Up to how many pixels the warp's lanes walk for themselves: their turns are then those of the largest footprint, and otherwise the sum of
-/// all that are left to the warp as a whole.
-__device__ inline uint32_t pixelsAlone(uint32_t area, const PixelRect& rect) {
-  const bool isOne = area > kPixelsAlone && area <= kPixelsBeside;
-  const auto tiles = static_cast<uint32_t>(((rect.x1 - rect.x0 + 7) / 8) * ((rect.y1 - rect.y0 + 3) / 4));
-  uint32_t largest = isOne ? area : 0u, turns = isOne ? tiles + 1 : 0u;
-  for (int step = 16; step > 0; step /= 2) {
-    largest = max(largest, __shfl_xor_sync(kAllLanes, largest, step));
-    turns += __shfl_xor_sync(kAllLanes, turns, step);
+/// Every lane a pixel, and the next 32, whosesoever they are: no lane waits for another's larger footprint. `first`: how many pixels the lanes before have; `all`: those of the warp.
+template <bool kLooksFirst, class Hits>
+__device__ void splatTogether(const SplatJob<Hits>& job, SharedFootprints& shared, const Sphere& sphere, uint32_t id, const PixelRect& rect, uint32_t first, uint32_t all) {
+  const uint32_t lane = threadIdx.x % 32, upToLane = 0xffffffffu >> (31 - lane);
+  const bool hasAny = !rect.isEmpty();
+  const uint32_t walked = __ballot_sync(kAllLanes, hasAny);
+  if (hasAny) {
+    const int at = __popc(walked & upToLane) - 1;
+    const Splat splat = splatOf(job, sphere, id);
+    shared.widened[at] = splat.widened;
+    shared.radius[at] = splat.radius;
+    shared.outside[at] = splat.outside;
+    shared.nearest[at] = splat.nearest;
+    shared.id[at] = id;
+    shared.first[at] = first;
+    shared.x0[at] = rect.x0;
+    shared.y0[at] = rect.y0;
+    shared.width[at] = rect.x1 - rect.x0;
+    shared.perWidth[at] = 1.0f / static_cast<float>(rect.x1 - rect.x0);
   }
-  return largest <= turns ? kPixelsBeside : kPixelsAlone;
+  __syncwarp();
+  int begun = -1;  // the last whose pixels have begun
+  for (uint32_t turn = 0; turn < all; turn += 32) {
+    const uint32_t begins = warpOr(hasAny && first - turn < 32 ? 1u << (first - turn) : 0u);
+    const int at = begun + __popc(begins & upToLane);
+    begun += __popc(begins);
+    if (turn + lane >= all) continue;
+    const uint32_t pixel = turn + lane - shared.first[at];
+    static_assert(kPixelsOfWarp <= 1u << 13, "a quotient of so many pixels and their width is off by less than half a pixel's share");
+    const int row = static_cast<int>((static_cast<float>(pixel) + 0.5f) * shared.perWidth[at]);
+    const auto x = static_cast<uint32_t>(shared.x0[at] + static_cast<int>(pixel) - row * shared.width[at]), y = static_cast<uint32_t>(shared.y0[at] + row);
+    splatAlone<kLooksFirst>(job, {shared.widened[at], shared.radius[at], shared.outside[at], shared.nearest[at], shared.id[at]}, x, y);
+  }
 }
 
+/// Each lane walks its own footprint where the largest has no more than so many times the pixels of the mean.
+constexpr float kMostUneven = 1.5f;
+/// Pixels of a warp's spheres in the mean, from which on a quick test of each saves more than it takes.
+constexpr uint32_t kLooksFrom = 64;
+
+/// Blocks of a multiprocessor that there are registers for.
 template <class Hits>
-__global__ void __launch_bounds__(kWalkThreads) splatSamples(const __grid_constant__ SplatJob<Hits> job) {
+constexpr unsigned kWalkBlocks = Hits::kAreAlike ? 8 : 12;
+
+template <class Hits>
+__global__ void __launch_bounds__(kWalkThreads, kWalkBlocks<Hits>) splatSamples(const __grid_constant__ SplatJob<Hits> job) {
+  __shared__ SharedFootprints shared[kWalkThreads / 32];
   // Seen from aside, samples in the order of the server's pixels come ever nearer at a pixel; out of order, few find themselves to be nearest.
   const auto turn = static_cast<uint32_t>(uint64_t{blockIdx.x} * job.stride % gridDim.x);
   const uint32_t i = turn * kWalkThreads + threadIdx.x;
-  const int lane = static_cast<int>(threadIdx.x % 32);
   Sphere sphere{};
   PixelRect rect{0, 0, 0, 0};
   if (i < job.frame.count) {
     sphere = unpackSample(job.frame.samples[i], job.frame.grid);
     rect = wantedPart(job.wanted, job.of.footprintOf(job.footprint, i, sphere));
   }
+  if (areaOf(rect) > kPixelsOfWarp) {
+    job.large[atomicAdd(job.largeCount, 1u)] = i;
+    rect = {0, 0, 0, 0};
+  }
   const uint32_t area = areaOf(rect);
-  const uint32_t alone = pixelsAlone(area, rect);
-  if (area > 0 && area <= alone) splatAll(job, splatOf(job, sphere, i), rect);
-  if (area > kPixelsOfWarp) job.large[atomicAdd(job.largeCount, 1u)] = i;
-  __syncwarp();
-  for (uint32_t rest = __ballot_sync(kAllLanes, area > alone && area <= kPixelsOfWarp); rest != 0; rest &= rest - 1) {
-    const int owner = __ffs(static_cast<int>(rest)) - 1;
-    const Sphere shared{{__shfl_sync(kAllLanes, sphere.center.x, owner), __shfl_sync(kAllLanes, sphere.center.y, owner),
-                         __shfl_sync(kAllLanes, sphere.center.z, owner)},
-                        __shfl_sync(kAllLanes, sphere.radius, owner)};
-    const int x0 = shuffled(rect.x0, owner), y0 = shuffled(rect.y0, owner);
-    const int width = shuffled(rect.x1, owner) - x0, height = shuffled(rect.y1, owner) - y0;
-    const Splat splat = splatOf(job, shared, i - static_cast<uint32_t>(lane) + static_cast<uint32_t>(owner));
-    // In tiles of 8 x 4, which need no division to find a lane's pixel.
-    for (int y = y0 + lane / 8; y - lane / 8 < y0 + height; y += 4)
-      for (int x = x0 + lane % 8; x - lane % 8 < x0 + width; x += 8)
-        if (x < x0 + width && y < y0 + height) splatAlone(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+  const WarpSums pixels = warpSums(area);
+  const auto together = [&](auto looksFirst) {
+    splatTogether<looksFirst.value>(job, shared[threadIdx.x / 32], sphere, i, rect, pixels.before, pixels.all);
+  };
+  if constexpr (Hits::kAreAlike) {
+    const bool areEven = static_cast<float>(32 * warpMax(area)) <= kMostUneven * static_cast<float>(pixels.all);
+    const auto walk = [&](auto looksFirst) {
+      if (!areEven)
+        together(looksFirst);
+      else if (area > 0)
+        splatAll<looksFirst.value>(job, splatOf(job, sphere, i), rect);
+    };
+    pixels.all > 32 * kLooksFrom ? walk(std::true_type{}) : walk(std::false_type{});
+  } else {
+    together(std::false_type{});
   }
 }
 
@@ -239,15 +281,21 @@ __global__ void __launch_bounds__(kWalkThreads) splatLarge(const __grid_constant
     const uint32_t end = static_cast<uint32_t>(rect.y0) + static_cast<uint32_t>(uint64_t{rows} * (band + 1) / bands);
     const auto width = static_cast<uint32_t>(rect.x1 - rect.x0);
     for (uint32_t k = threadIdx.x; k < (end - first) * width; k += kWalkThreads)
-      splatAlone(job, splat, static_cast<uint32_t>(rect.x0) + k % width, first + k / width);
+      splatAlone<true>(job, splat, static_cast<uint32_t>(rect.x0) + k % width, first + k / width);
   }
 }
 
 /// Hits of spheres as they are, of which the nearest is kept.
 struct NearestOfSpheres {
   static constexpr int kKept = 1;
+  static constexpr bool kAreAlike = true;
   __device__ PixelRect footprintOf(const FootprintView& view, uint32_t, const Sphere& sphere) const { return sphereFootprint(view, sphere); }
   __device__ float distanceOf(uint32_t, const glm::vec3&, const glm::vec3&, float t) const { return t; }
+};
+
+/// The same where few pixels want one.
+struct NearestInGaps : NearestOfSpheres {
+  static constexpr bool kAreAlike = false;
 };
 
 /// What the walk needs beside hits.
