@@ -19,8 +19,8 @@ namespace warpscope {
 
 constexpr unsigned kWalkThreads = 128;
 
-/// Blocks that share the large footprints: enough to fill any device several times over.
-constexpr unsigned kLargeBlocks = 1024;
+/// Blocks that share the large footprints: enough to fill a device of 200 multiprocessors. More take longer to find that there are none.
+constexpr unsigned kLargeBlocks = 2048;
 
 /// What is kept of a hit: bits of its distance above, the sample's place in the frame below. Nearer hits are smaller, of equally near ones those that come first in the frame.
 using KeptHit = unsigned long long;
