@@ -1,4 +1,4 @@
-// One value of all lanes of a warp, which must all call.
+// One value of all lanes of a warp, or sums up to each; all must call.
 // CUDA C++ Programming Guide, warp shuffle and warp reduce functions.
 #pragma once
 
@@ -31,6 +31,7 @@ __device__ inline uint32_t warpMax(uint32_t value) {
 #endif
 }
 __device__ inline float warpMax(float value) { return __uint_as_float(warpMax(__float_as_uint(value))); }
+
 /// The bits that any lane has.
 __device__ inline uint32_t warpOr(uint32_t bits) {
 #if __CUDA_ARCH__ >= 800
@@ -41,9 +42,9 @@ __device__ inline uint32_t warpOr(uint32_t bits) {
 #endif
 }
 
-/// Of a value of each lane.
+/// Sums of a value that each lane has.
 struct WarpSums {
-  uint32_t before;  ///< the sum of those of the lanes before this one
+  uint32_t before;  ///< of the lanes before this one
   uint32_t all;
 };
 __device__ inline WarpSums warpSums(uint32_t value) {

@@ -6,6 +6,7 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -14,7 +15,7 @@
 namespace warpscope::gl {
 namespace {
 
-/// What is used of the library, which stays once it is loaded.
+/// What is used of the library, which stays once it is loaded. Contexts must not outlive main(): what it registers for the program's end comes after statics that are older.
 class Osmesa {
  public:
   /// Throws InputError.
@@ -31,10 +32,10 @@ class Osmesa {
  private:
   Osmesa() {
     void* const library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) throw InputError(dlerror());
+    if (library == nullptr) throw InputError("its library cannot be used: " + std::string(dlerror()));
     const auto find = [library](const char* name, auto& function) {
       void* const found = dlsym(library, name);
-      if (found == nullptr) throw InputError(dlerror());
+      if (found == nullptr) throw InputError("its library lacks " + std::string(name));
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
     };
     find("OSMesaGetProcAddress", getProcAddress);

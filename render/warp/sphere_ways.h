@@ -1,6 +1,6 @@
 // By which way is the picture of a frame's spheres fastest: through a hierarchy, whose rays look for spheres, or by footprints, where each sphere looks for rays? The hierarchy is that of
 // clusters on a device, lbvh on the CPU. The pictures are the same. Host only.
-// Costs are linear in what each way does, as estimated from some of the spheres; the factors are fitted to measurements of sphere_ways_bench (tests/bench/README.md). That a hierarchy may have
+// Costs are sums of what each way does, as estimated from some of the spheres; the factors are fitted to measurements of sphere_ways_bench (tests/bench/README.md). That a hierarchy may have
 // to be built first is left out: it stands for all pictures of a frame that follow.
 #pragma once
 
@@ -17,7 +17,7 @@ struct SphereLoad {
   double spheres = 0.0;
   double fragments = 0.0;    ///< pixels in all spheres' footprints
   double tiles = 0.0;        ///< tiles of 8 x 8 pixels that footprints touch, in all
-  double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for the warp that does
+  double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for its warp
 };
 
 /// Estimates loads from spheres that stand for all of a frame's.

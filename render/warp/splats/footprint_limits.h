@@ -6,7 +6,7 @@
 
 namespace warpscope {
 
-/// Pixels that one warp walks; more are for many blocks, because a warp has no more than its share of one multiprocessor.
+/// Pixels of a footprint that a warp walks, beside those of its other spheres; more are for many blocks, because a warp has no more than its share of one multiprocessor.
 inline constexpr uint32_t kPixelsOfWarp = 8192;
 
 }  // namespace warpscope

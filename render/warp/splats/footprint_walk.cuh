@@ -1,4 +1,4 @@
-// Every sphere's footprint is walked, small, middling and large ones each in their own way, and of what the rays of its pixels hit the nearest is kept. For .cu files.
+// Every sphere's footprint is walked, and of what the rays of its pixels hit the nearest is kept. For .cu files.
 // A thread for each sphere; where those of a warp have unequally much to do they share its pixels, and footprints that would hold the picture up are walked by many blocks. What counts as a
 // hit and how many are kept for a pixel is the caller's.
 #pragma once
@@ -19,7 +19,7 @@ namespace warpscope {
 
 constexpr unsigned kWalkThreads = 128;
 
-/// Blocks that share the large footprints: enough to fill a device of 200 multiprocessors. More take longer to find that there are none.
+/// Blocks that share the large footprints: enough for 9 at once, as many as there are registers for, on 200 multiprocessors. More take longer to find that there are none.
 constexpr unsigned kLargeBlocks = 2048;
 
 /// What is kept of a hit: bits of its distance above, the sample's place in the frame below. Nearer hits are smaller, of equally near ones those that come first in the frame.
@@ -206,24 +206,29 @@ __device__ void splatTogether(const SplatJob<Hits>& job, SharedFootprints& share
     begun += __popc(begins);
     if (turn + lane >= all) continue;
     const uint32_t pixel = turn + lane - shared.first[at];
-    static_assert(kPixelsOfWarp <= 1u << 13, "a quotient of so many pixels and their width is off by less than half a pixel's share");
+    static_assert(kPixelsOfWarp <= 1u << 13, "a row is off by less than 2^-22 times itself, and its fraction is at least half a pixel from the next: row * width < 2^21");
     const int row = static_cast<int>((static_cast<float>(pixel) + 0.5f) * shared.perWidth[at]);
     const auto x = static_cast<uint32_t>(shared.x0[at] + static_cast<int>(pixel) - row * shared.width[at]), y = static_cast<uint32_t>(shared.y0[at] + row);
     splatAlone<kLooksFirst>(job, {shared.widened[at], shared.radius[at], shared.outside[at], shared.nearest[at], shared.id[at]}, x, y);
   }
 }
 
-/// Each lane walks its own footprint where the largest has no more than so many times the pixels of the mean.
+/// Each lane walks its own footprint where the largest has no more than so many times the pixels that all lanes have in the mean.
 constexpr float kMostUneven = 1.5f;
-/// Pixels of a warp's spheres in the mean, from which on a quick test of each saves more than it takes.
+/// Pixels of a lane in the mean, from which on a quick test of each saves more than it takes. Of pieces, which are small, and in gaps it was not tried.
 constexpr uint32_t kLooksFrom = 64;
 
-/// Blocks of a multiprocessor that there are registers for.
+/// Threads of a multiprocessor that there are to be registers for: of compute capability 7.5 it has no more.
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
 template <class Hits>
-constexpr unsigned kWalkBlocks = Hits::kAreAlike ? 8 : 12;
+constexpr unsigned kThreadsThatWalk = 1024;
+#else
+template <class Hits>
+constexpr unsigned kThreadsThatWalk = Hits::kAreAlike ? 1024 : 1536;
+#endif
 
 template <class Hits>
-__global__ void __launch_bounds__(kWalkThreads, kWalkBlocks<Hits>) splatSamples(const __grid_constant__ SplatJob<Hits> job) {
+__global__ void __launch_bounds__(kWalkThreads, kThreadsThatWalk<Hits> / kWalkThreads) splatSamples(const __grid_constant__ SplatJob<Hits> job) {
   __shared__ SharedFootprints shared[kWalkThreads / 32];
   // Seen from aside, samples in the order of the server's pixels come ever nearer at a pixel; out of order, few find themselves to be nearest.
   const auto turn = static_cast<uint32_t>(uint64_t{blockIdx.x} * job.stride % gridDim.x);
@@ -251,7 +256,10 @@ __global__ void __launch_bounds__(kWalkThreads, kWalkBlocks<Hits>) splatSamples(
       else if (area > 0)
         splatAll<looksFirst.value>(job, splatOf(job, sphere, i), rect);
     };
-    pixels.all > 32 * kLooksFrom ? walk(std::true_type{}) : walk(std::false_type{});
+    if (pixels.all > 32 * kLooksFrom)
+      walk(std::true_type{});
+    else
+      walk(std::false_type{});
   } else {
     together(std::false_type{});
   }
@@ -293,7 +301,7 @@ struct NearestOfSpheres {
   __device__ float distanceOf(uint32_t, const glm::vec3&, const glm::vec3&, float t) const { return t; }
 };
 
-/// The same where few pixels want one.
+/// The same where few pixels want one: what is left of footprints that are alike is not.
 struct NearestInGaps : NearestOfSpheres {
   static constexpr bool kAreAlike = false;
 };
