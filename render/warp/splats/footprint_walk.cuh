@@ -206,8 +206,7 @@ __device__ void splatTogether(const SplatJob<Hits>& job, SharedFootprints& share
     begun += __popc(begins);
     if (turn + lane >= all) continue;
     const uint32_t pixel = turn + lane - shared.first[at];
-    static_assert(kPixelsOfWarp <= 1u << 13, "a row is off by less than 2^-22 times itself, and its fraction is at least half a pixel from the next: row * width < 2^21");
-    const int row = static_cast<int>((static_cast<float>(pixel) + 0.5f) * shared.perWidth[at]);
+    const int row = rowOfPixel(pixel, shared.perWidth[at]);
     const auto x = static_cast<uint32_t>(shared.x0[at] + static_cast<int>(pixel) - row * shared.width[at]), y = static_cast<uint32_t>(shared.y0[at] + row);
     splatAlone<kLooksFirst>(job, {shared.widened[at], shared.radius[at], shared.outside[at], shared.nearest[at], shared.id[at]}, x, y);
   }
