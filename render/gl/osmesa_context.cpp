@@ -47,19 +47,18 @@ class Osmesa {
 
 class OsmesaContext final : public Context {
  public:
-  OsmesaContext(const Osmesa& osmesa, OSMesaContext context, std::unique_ptr<EntryPoints> entryPoints)
-      : osmesa_(osmesa), context_(context), entryPoints_(std::move(entryPoints)) {}
-  ~OsmesaContext() override { osmesa_.destroyContext(context_); }
+  OsmesaContext(OSMesaContext context, std::unique_ptr<EntryPoints> entryPoints)
+      : context_(context), entryPoints_(std::move(entryPoints)) {}
+  ~OsmesaContext() override { Osmesa::instance().destroyContext(context_); }
   void makeCurrent() override {
     // OSMesa insists on a buffer for a default framebuffer; nothing is ever drawn into it.
-    if (!osmesa_.makeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1))
+    if (!Osmesa::instance().makeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1))
       throw InputError("OSMesaMakeCurrent failed");
     entryPoints_->load();
   }
   std::string_view platformName() const override { return "OSMesa"; }
 
  private:
-  const Osmesa& osmesa_;
   OSMesaContext context_;
   const std::unique_ptr<EntryPoints> entryPoints_;
   std::vector<unsigned char> buffer_ = std::vector<unsigned char>(16);
@@ -68,23 +67,21 @@ class OsmesaContext final : public Context {
 }  // namespace
 
 std::unique_ptr<Context> makeOsmesaContext(std::string& reason) {
-  const Osmesa* osmesa = nullptr;
   std::unique_ptr<EntryPoints> entryPoints;
   try {
-    osmesa = &Osmesa::instance();
-    entryPoints = std::make_unique<EntryPoints>(reinterpret_cast<GLADloadfunc>(osmesa->getProcAddress), "OSMesa");
+    entryPoints = std::make_unique<EntryPoints>(reinterpret_cast<GLADloadfunc>(Osmesa::instance().getProcAddress), "OSMesa");
   } catch (const InputError& error) {
     reason = error.what();
     return nullptr;
   }
   const int attributes[] = {OSMESA_FORMAT,  OSMESA_RGBA, OSMESA_DEPTH_BITS, 0, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
                             OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
-  OSMesaContext context = osmesa->createContext(attributes, nullptr);
+  OSMesaContext context = Osmesa::instance().createContext(attributes, nullptr);
   if (context == nullptr) {
     reason = "no OpenGL 4.5 core context";
     return nullptr;
   }
-  auto made = std::make_unique<OsmesaContext>(*osmesa, context, std::move(entryPoints));
+  auto made = std::make_unique<OsmesaContext>(context, std::move(entryPoints));
   try {
     made->makeCurrent();
   } catch (const InputError& error) {

@@ -48,8 +48,8 @@ struct WantedTiles {
   uint32_t perRow = 0;
 };
 
-/// Hits: how many of them are kept for a pixel (kKept); whether spheres beside each other mostly have about as many pixels (kAreAlike); footprintOf(view, id, sphere), all pixels that may have one; distanceOf(id, direction, toCenter, t), which distance counts where a
-/// ray meets the sphere at t: never less than t, and kNoHit for what is no hit after all.
+/// Hits: how many of them are kept for a pixel (kKept); whether spheres beside each other mostly have about as many pixels (kAreAlike); footprintOf(view, id, sphere), all pixels that may
+/// have one; distanceOf(id, direction, toCenter, t), which distance counts where a ray meets the sphere at t: never less than t, and kNoHit for what is no hit after all.
 template <class Hits>
 struct SplatJob {
   Hits of;
