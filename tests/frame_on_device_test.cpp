@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "render/base/error.h"
+#include "render/codec/plane_coding.h"
 #include "tests/codec_frames.h"
 #include "tests/held_frame.h"
+#include "tests/staying_coder.h"
 
 namespace warpscope {
 namespace {
@@ -51,6 +53,66 @@ TEST(FrameOnDevice, IsCodedAsOneThatIsHere) {
 TEST(FrameOnDevice, ThatIsLostIsADevicesError) {
   for (const CodecSettings& settings : kEveryCoding)
     EXPECT_THROW(FrameCodec().encode(leftOnDevice(marched(shells(), {}, 80, 50), true), settings), DeviceError) << nameOf(settings.format);
+}
+
+bool areSame(const SampleFrame& a, const SampleFrame& b) {
+  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths &&
+         a.segments.colors == b.segments.colors && a.segments.normals == b.segments.normals;
+}
+
+TEST(FrameOnDevice, IsBroughtHereOnceForAllWhoAsk) {
+  const auto here = std::make_shared<const SampleFrame>(marched(shells(), {}, 80, 50));
+  EXPECT_EQ(onHost(here), here);
+  EXPECT_EQ(onHost(SampleFramePtr()), nullptr);
+  auto left = std::make_shared<const SampleFrame>(leftOnDevice(*here));
+  const SampleFramePtr brought = onHost(left);
+  EXPECT_TRUE(areSame(*brought, *here));
+  EXPECT_EQ(onHost(left), brought);
+  // The same samples in another frame: who asks gets that one's settings.
+  auto other = std::make_shared<SampleFrame>(*left);
+  other->functionVersion = 7;
+  EXPECT_EQ(onHost(SampleFramePtr(other))->functionVersion, 7u);
+  EXPECT_EQ(onHost(left)->functionVersion, 0u);
+  // It goes with the frame.
+  const std::weak_ptr<const SampleFrame> last = onHost(left);
+  EXPECT_FALSE(last.expired());
+  left.reset();
+  other.reset();
+  EXPECT_TRUE(last.expired());
+  EXPECT_THROW(onHost(std::make_shared<const SampleFrame>(leftOnDevice(*here, true))), DeviceError);
+}
+
+/// Decoded frames stay with who wants them there, where all of them can.
+TEST(FrameOnDevice, IsWhereItsDecoderLeavesIt) {
+  for (const SampleFrame& frame : framesOfAllKinds())
+    for (const CodecSettings& settings : kEveryCoding) {
+      FrameCodec codec(std::make_shared<StayingCoder>());
+      const ByteVector payload = codec.encode(frame, settings);
+      SampleFrame expected = headOf(frame);
+      ASSERT_EQ(FrameCodec().decode(payload, frame.size(), expected), std::nullopt);
+      for (const DecodedPlace place : {DecodedPlace::device, DecodedPlace::host, DecodedPlace::device}) {
+        SampleFrame back = headOf(frame);
+        ASSERT_EQ(codec.decode(payload, frame.size(), back, {.place = place}), std::nullopt);
+        const bool mayStay = settings.format == PayloadFormat::tiled && frame.size() > 0 && std::ranges::all_of(frame.planes, isImplied);
+        EXPECT_EQ(back.isAway, mayStay && place == DecodedPlace::device) << nameOf(settings.format) << ", " << frame.size();
+        EXPECT_EQ(back.size(), frame.size());
+        EXPECT_TRUE(areSame(onHost(back), expected)) << nameOf(settings.format) << ", " << frame.size();
+      }
+    }
+}
+
+TEST(FrameOnDevice, WhoseSegmentsAreLostWithTheDeviceIsTakenAgain) {
+  MarchSettings settings;
+  settings.sample.segments = 3;
+  const SampleFrame frame = marched(shells(), settings, 80, 50);
+  const ByteVector payload = FrameCodec().encode(frame, kTiled);
+  FrameCodec codec(makeFallbackTiledCoder([] { return std::make_shared<StayingCoder>(true); }, {}));
+  for (int round = 0; round < 2; ++round) {
+    SampleFrame back = headOf(frame);
+    ASSERT_EQ(codec.decode(payload, frame.size(), back, {.place = DecodedPlace::device}), std::nullopt);
+    EXPECT_FALSE(back.isAway);
+    EXPECT_TRUE(areSame(back, frame));
+  }
 }
 
 }  // namespace

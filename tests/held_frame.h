@@ -1,6 +1,7 @@
 // What a frame looks like that was left on a device, without one.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -21,6 +22,7 @@ class HeldFrame final : public FrameOnDevice {
   size_t sampleCount() const override { return frame_.size(); }
   size_t segmentCount() const override { return frame_.segments.size(); }
   bool hasNormals() const override { return !frame_.segments.normals.empty(); }
+  bool haveRadii() const override { return std::ranges::none_of(frame_.samples, [](PackedSample sample) { return radiusCode(sample) == 0; }); }
   FramePlacements placements() const override { return placements_; }
   void copyTo(SampleFrame& frame) const override {
     requireDevice();

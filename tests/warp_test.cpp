@@ -18,6 +18,7 @@
 #include "render/warp/spheres_warp.h"
 #include "tests/frame_samples.h"
 #include "tests/headless.h"
+#include "tests/held_frame.h"
 #include "tests/warp_cases.h"
 
 namespace warpscope {
@@ -136,6 +137,28 @@ TEST_P(WarpGl, FramesOfNoneOneAndTwoSamples) {
       for (uint32_t i = 0; i < count; ++i) expected.insert(i);
       EXPECT_EQ(seen, expected);
     }
+  }
+}
+
+// --- Frames on a device
+
+/// With a device that is none: what it holds is the host's to fetch.
+TEST_P(WarpGl, FramesThatADeviceHoldsAreDrawnAsThoseThatAreHere) {
+  const Stage stage(smallScene("shells"), GetParam());
+  MarchSettings settings = stage.scene().march;
+  settings.sample.segments = 3;
+  const SampleFramePtr here = stage.frame(stage.camera(65, 43), settings);
+  ASSERT_GT(here->segments.size(), 1000u);
+  const auto there = std::make_shared<const SampleFrame>(leftOnDevice(*here));
+  const Camera turned = stage.camera(60, 50, 20.0);
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    if (!technique.usesFrame) continue;
+    SCOPED_TRACE(technique.name);
+    const WarpedImage expected = stage.draw(technique.name, here, turned), image = stage.draw(technique.name, there, turned);
+    EXPECT_TRUE(image.samples == expected.samples);
+    EXPECT_TRUE(image.color == expected.color);
+    EXPECT_GT(coveredPixels(image), 500u);
+    EXPECT_THROW(stage.draw(technique.name, std::make_shared<const SampleFrame>(leftOnDevice(*here, true)), turned), DeviceError);
   }
 }
 

@@ -58,15 +58,15 @@ MeasuredMarch measureMarch(const Measuring& measuring, Marcher& marcher, const C
   return result;
 }
 
-MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings) {
+MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings, DecodedPlace place) {
   MeasuredCoding result;
   auto received = std::make_shared<SampleFrame>(*frame);
   const auto measured = measuring.parts([&] {
-    const CodecTrip trip = throughCodec(codec, *frame, settings, *received);
+    const CodecTrip trip = throughCodec(codec, *frame, settings, *received, place);
     result.bytes = trip.bytes;
     return std::array{trip.encodeMs, trip.decodeMs};
   });
-  if (received->samples != frame->samples) throw InputError("the codec gives back other samples than it got");
+  if (onHost(received)->samples != onHost(frame)->samples) throw InputError("the codec gives back other samples than it got");
   result.frame = std::move(received);
   result.encode = measured[0];
   result.decode = measured[1];
@@ -127,7 +127,7 @@ Measured measureArrival(const Measuring& measuring, const Drawing& drawing, Fram
     auto received = std::make_shared<SampleFrame>(head);
     DecodeError error;
     const double tookMs = milliseconds([&] {
-      error = codec.decode(payload, count, *received);
+      error = codec.decode(payload, count, *received, {.place = DecodedPlace::device});
       received->settings = frame->settings;
       received->proxy = frame->proxy;  // which came before
       if (error) return;
@@ -142,7 +142,7 @@ Measured measureArrival(const Measuring& measuring, const Drawing& drawing, Fram
 MeasuredPicture measurePicture(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding,
                                const SampleFramePtr& frame, const Camera& camera) {
   MeasuredPicture picture;
-  picture.decode = measureCoding(measuring, codec, frame, coding).decode;
+  picture.decode = measureCoding(measuring, codec, frame, coding, DecodedPlace::device).decode;
   picture.build = measureBuild(measuring, drawing.warp, frame, drawing.settings);
   WarpedImage image;
   picture.draw = measureDraw(measuring, drawing, camera, image).draw;

@@ -66,7 +66,8 @@ struct MeasuredCoding {
   Measured encode, decode;
 };
 /// Throws InputError if the codec does not give back the samples.
-MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings);
+MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings,
+                             DecodedPlace place = DecodedPlace::host);
 
 /// From the camera to bytes that are ready to be sent, by the host's clock: what a server does for any frame but a scene's first, which brings the copy of the volume.
 Measured measureService(const Measuring& measuring, Marcher& marcher, FrameCodec& codec, const Camera& camera, const MarchSettings& settings, const CodecSettings& coding);

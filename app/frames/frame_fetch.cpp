@@ -64,7 +64,7 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
   };
 }
 
-CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received) {
+CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received, DecodedPlace place) {
   CodecTrip trip;
   ByteVector payload;
   trip.encodeMs = milliseconds([&] { payload = codec.encode(sent, settings); });
@@ -72,7 +72,7 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
   const size_t count = sent.size();
   const ProxyPtr proxy = sent.proxy;
   DecodeError error;
-  trip.decodeMs = milliseconds([&] { error = codec.decode(payload, count, received); });
+  trip.decodeMs = milliseconds([&] { error = codec.decode(payload, count, received, {.place = place}); });
   if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
   received.proxy = proxy;  // equal to what came, and one for all frames, as where it comes once
   return trip;
@@ -83,13 +83,15 @@ FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy
              const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
     const uint64_t id = ++*last;  // of all copies of this
     source->post({id, camera, settings}, std::chrono::steady_clock::now());
-    return waitFor(*source, id, onBusy, stop);
+    ServedFrame served = waitFor(*source, id, onBusy, stop);
+    served.frame = onHost(served.frame);  // it is looked at from all sides
+    return served;
   };
 }
 
 size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec) {
   if (codec.format == PayloadFormat::packed && codec.color == ColorCoding::jpeg)
-    return encodeFramePicture(*frame, background, codec.jpegQuality).size();
+    return encodeFramePicture(*onHost(frame), background, codec.jpegQuality).size();
   const std::unique_ptr<Warp> hold = makeWarp(findWarp("hold"), {});
   hold->setFrame(frame, {}, {});
   WarpedImage image;

@@ -25,7 +25,7 @@ struct CodecTrip {
 };
 /// Encodes `sent` and decodes it into `received`, which may be the same frame; its members other than samples and colours must be those of `sent`. Its copy of
 /// the volume stays the same object. Throws InputError if what was encoded cannot be decoded.
-CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
+CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received, DecodedPlace place = DecodedPlace::host);
 
 /// What a technique draws of a frame of so many bytes: the samples', or the segments', or neither.
 inline size_t bytesFor(const WarpDescriptor& technique, const FrameBytes& bytes) {

@@ -51,7 +51,7 @@ struct ServedFrame {
   uint64_t requestId = 0;
   Clock::TimePoint requestedAt;  ///< when its camera was the current one
   Clock::TimePoint arrivedAt;
-  SampleFramePtr frame;  ///< null if there is an error
+  SampleFramePtr frame;  ///< null if there is an error; it may be away (SampleFrame::isAway): onHost() is for those who want it here
   FrameLatency latency;
   FrameBytes bytes;      ///< of its payload on the wire; of the copy of the volume where it came with this frame, the first of a connection that wanted it
   std::string error;

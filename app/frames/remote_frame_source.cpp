@@ -209,7 +209,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.requestId = head.id;
     served.requestedAt = arrived.arrival.requestedAt;
     auto frame = std::make_shared<SampleFrame>();
-    const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec); });
+    const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec, DecodedPlace::device); });
     served.bytes = codec.bytes();
     completeFrame(head.id, *frame);
     forgetRequestsUpTo(head.id);

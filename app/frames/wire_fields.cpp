@@ -328,13 +328,15 @@ std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) {
   }
 }
 
-SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec) {
+SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec, DecodedPlace place) {
   SampleFrame frame = frameFrom(head);
   if (payload.empty() || std::to_integer<uint8_t>(payload[0]) != static_cast<uint8_t>(codecFrom(head.codec).format))
     throw InputError("the server's frame: the payload has another format than its head says");
-  if (const DecodeError error = codec.decode(payload, head.sampleCount, frame, decodeLimitsFor(frame)))
+  DecodeLimits limits = decodeLimitsFor(frame);
+  limits.place = place;
+  if (const DecodeError error = codec.decode(payload, head.sampleCount, frame, limits))
     throw InputError("the server's frame: " + *error);
-  if (!haveRadii(frame.samples)) throw InputError("the server's frame has samples without a radius");
+  if (!(frame.isAway ? frame.device->haveRadii() : haveRadii(frame.samples))) throw InputError("the server's frame has samples without a radius");
   return frame;
 }
 

@@ -47,7 +47,7 @@ SampleFrame frameFrom(const net::FrameHead& head);
 /// numbers that nothing can be drawn from, or more bytes than any payload for them has. Whoever receives frames asks before a payload comes.
 std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes);
 /// The whole frame.
-SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec);
+SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec, DecodedPlace place = DecodedPlace::host);
 /// What a decoder may accept for a frame of this camera and these settings.
 DecodeLimits decodeLimitsFor(const SampleFrame& frame);
 

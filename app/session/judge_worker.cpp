@@ -68,9 +68,9 @@ std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float
   const WarpJob& job = drawn.job;
   const Camera& camera = job.reference->job().camera;
   const bool isShown = camera == job.camera;
-  PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, job.frame, job.background, job.marks, std::move(flip), std::nullopt};
+  PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, onHost(job.frame), job.background, job.marks, std::move(flip), std::nullopt};
   // Of a view that passes nobody looks at pixels.
-  if (isShown && drawn.plan.way() == PictureWay::technique) pixels.segments = segmentLookOf(*job.technique, job.frame.get(), camera, stop);
+  if (isShown && drawn.plan.way() == PictureWay::technique) pixels.segments = segmentLookOf(*job.technique, pixels.frame.get(), camera, stop);
   return std::make_shared<const PanelPixels>(std::move(pixels));
 }
 

@@ -173,7 +173,7 @@ class Easel {
     ++counts_.shortcuts;
     isInHostMemory_ = false;
     drawMs_ = milliseconds([&] {
-      if (!own_) own_ = std::make_shared<WarpedImage>(ownImageOf(*job.frame));
+      if (!own_) own_ = std::make_shared<WarpedImage>(ownImageOf(*onHost(job.frame)));
       if (way == PictureWay::rotation) {
         drawRotated(*own_, job.frame->camera, job.camera, newImage(), stop);
       } else {

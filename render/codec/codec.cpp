@@ -34,6 +34,9 @@ const CodecDescriptor& descriptorOf(PayloadFormat format) {
   return *found;
 }
 
+/// Planes of numbers are coded on the host.
+bool isForDevices(const SampleFrame& frame, PayloadFormat format) { return descriptorOf(format).isForDevices && std::ranges::all_of(frame.planes, isImplied); }
+
 /// However a frame ends, nothing of it is under way any more.
 class Begun {
  public:
@@ -157,8 +160,7 @@ Codec& FrameCodec::codecFor(PayloadFormat format) {
 
 ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
-  // Planes of numbers are coded on the host.
-  if (frame.isAway && !(codesOnDevices(settings) && std::ranges::all_of(frame.planes, isImplied))) return encode(onHost(frame), settings);
+  if (frame.isAway && !isForDevices(frame, settings.format)) return encode(onHost(frame), settings);
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
   ByteVector payload;  // a device may still write to it until nothing is begun any more
@@ -259,6 +261,7 @@ DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::b
   const Begun begun(*coder_);
   const bool hasSegments = parts.bytes.segments > 0;
   if (!cut) {
+    coder_->setPlace(count > 0 && isForDevices(frame, format) ? limits.place : DecodedPlace::host);
     // Segments take longer.
     if (hasSegments) segments_->beginToTake(parts.segments, format, limits.maxSegments, frame);
     codec.beginToDecode(parts.samples, count, frame);

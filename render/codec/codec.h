@@ -62,11 +62,18 @@ inline constexpr Range kJpegQualityRange{1, 100};
 /// Throws UsageError naming the setting that is out of range.
 void validate(const CodecSettings& settings);
 
-/// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
+/// Where a frame is once it is decoded.
+enum class DecodedPlace {
+  host,    ///< in host memory, whatever else
+  device,  ///< on the device that decodes, alone (SampleFrame::isAway), where one does, and nothing of the frame is the host's to decode
+};
+
+/// What whoever decodes accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
 struct DecodeLimits {
   size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory, and what planes that are known take
   size_t maxBytes = size_t{1} << 30;    ///< of a payload
   size_t maxSegments = kMostFrameSegments;  ///< of 14 bytes each in memory
+  DecodedPlace place = DecodedPlace::host;
 };
 
 /// Nothing if all went well; else a sentence that says what was wrong.
@@ -110,7 +117,7 @@ struct CodecDescriptor {
   uint64_t (*mostBytes)(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
   uint64_t (*mostPlaneBytes)(const SamplePlane& plane, uint64_t count);
   bool ordersSamples = false;  ///< decodes none that are not in pixels of the picture and in their order
-  bool isForDevices = false;  ///< takes frames that are away (SampleFrame::isAway) as they are
+  bool isForDevices = false;  ///< takes frames that are away (SampleFrame::isAway) as they are, and may leave them so
 };
 
 /// Every format.

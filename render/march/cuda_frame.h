@@ -50,10 +50,12 @@ class CudaFrame final : public FrameOnDevice {
   const CudaFrameSizes& sizes() const { return sizes_; }
   void setSizes(const CudaFrameSizes& sizes) { sizes_ = sizes; }
   void setPlacements(const FramePlacements& placements) { placements_ = placements; }
+  void setHaveRadii(bool haveRadii) { haveRadii_ = haveRadii; }
 
   size_t sampleCount() const override { return sizes_.samples; }
   size_t segmentCount() const override { return sizes_.segments; }
   bool hasNormals() const override { return sizes_.hasNormals; }
+  bool haveRadii() const override { return haveRadii_; }
   FramePlacements placements() const override { return placements_; }
   void copyTo(SampleFrame& frame) const override;
   /// As that, in a stream of the caller's; `copied` is when all was there.
@@ -63,6 +65,7 @@ class CudaFrame final : public FrameOnDevice {
   const CudaFramePool::Lease memory_;
   CudaFrameSizes sizes_;
   FramePlacements placements_;
+  bool haveRadii_ = true;
 };
 
 }  // namespace warpscope

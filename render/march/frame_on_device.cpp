@@ -14,4 +14,15 @@ SampleFrame onHost(const SampleFrame& frame) {
   return here;
 }
 
+SampleFramePtr onHost(const SampleFramePtr& frame) {
+  if (!frame || !frame->isAway) return frame;
+  const FrameOnDevice& there = *frame->device;
+  const std::scoped_lock lock(there.mutex_);
+  if (there.asked_.lock() != frame) {
+    there.here_ = std::make_shared<const SampleFrame>(onHost(*frame));
+    there.asked_ = frame;
+  }
+  return there.here_;
+}
+
 }  // namespace warpscope

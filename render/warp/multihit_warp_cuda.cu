@@ -9,6 +9,7 @@
 #include "render/warp/clusters/cluster_trace.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
+#include "render/warp/device/sphere_samples.h"
 #include "render/warp/sphere_ways.h"
 #include "render/warp/multihit/splatted_surfaces.cuh"
 #include "render/warp/multihit/surface_hits.h"
@@ -143,9 +144,9 @@ class CudaMultihitWarp final : public DeviceWarp {
   void upload(const SampleFrame& frame, cudaStream_t stream) override {
     DeviceWarp::upload(frame, stream);
     camera_ = frame.camera;
-    hasLayers_ = !frame.layers().empty();
-    if (hasLayers_) layers_.upload(frame.layers(), stream);
-    probe_ = SphereLoadProbe(frame);
+    hasUploadedLayers_ = frameThere().layers() == nullptr && !frame.layers().empty();
+    if (hasUploadedLayers_) layers_.upload(frame.layers(), stream);
+    probe_ = spheres_.probeOf(frame, frameThere().view(), stream);
     isReady_ = haveTrees_ = false;
   }
 
@@ -166,7 +167,7 @@ class CudaMultihitWarp final : public DeviceWarp {
     const size_t pixels = size_t{camera_.width} * camera_.height;
     nearestOf_.reserve(pixels);
     firstOf_.reserve(pixels);
-    rays_ = {frame.samples, hasLayers_ ? layers_.data() : nullptr, firstOf_.data(), frame.count, camera_.width, camera_.height, frame.grid};
+    rays_ = {frame.samples, hasUploadedLayers_ ? layers_.data() : frameThere().layers(), firstOf_.data(), frame.count, camera_.width, camera_.height, frame.grid};
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(nearestOf_.data(), 0xff, pixels * sizeof(unsigned long long), stream));
     if (frame.count > 0) {
       findFirstSamples<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, nearestOf_.data());
@@ -207,7 +208,7 @@ class CudaMultihitWarp final : public DeviceWarp {
 
   const SphereTracing way_;
   Camera camera_;  // the frame's
-  bool hasLayers_ = false;
+  bool hasUploadedLayers_ = false;
   SampleRays rays_;  // in device memory
   cuda::DeviceBuffer<uint8_t> layers_;
   cuda::DeviceBuffer<unsigned long long> nearestOf_;
@@ -216,6 +217,7 @@ class CudaMultihitWarp final : public DeviceWarp {
   DeviceFrameView closed_;                  // of them
   DeviceClusterTree pieces_, wide_;
   SplattedSurfaces splatted_;
+  SphereSamples spheres_;
   SphereLoadProbe probe_;
   bool isReady_ = false, haveTrees_ = false;  // of the frame
   bool isSplatted_ = false;  // the picture being made

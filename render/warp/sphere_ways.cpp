@@ -13,20 +13,33 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kProbes = 512;
 constexpr float kTileSide = 8.0f;
 
 }  // namespace
 
-SphereLoadProbe::SphereLoadProbe(const SampleFrame& frame) : count_(frame.size()), probes_(std::min(count_, kProbes)) {
-  const SampleGrid grid = frame.grid();
+std::vector<uint32_t> sphereProbes(size_t count) {
+  const size_t probes = std::min(count, kMostSphereProbes);
+  std::vector<uint32_t> places(probes);
+  for (size_t k = 0; k < probes; ++k) {
+    // Each from its share of the frame, at another place of it: samples are in the order of the picture's pixels, and even steps would come upon one column again and again.
+    const double within = 0.6180339887 * static_cast<double>(k);
+    const double place = (static_cast<double>(k) + within - std::floor(within)) * static_cast<double>(count) / static_cast<double>(probes);
+    places[k] = static_cast<uint32_t>(std::min(count - 1, count == probes ? k : static_cast<size_t>(place)));
+  }
+  return places;
+}
+
+SphereLoadProbe::SphereLoadProbe(const SampleFrame& frame) {
+  std::vector<PackedSample> probes;
+  for (const uint32_t place : sphereProbes(frame.size())) probes.push_back(frame.samples[place]);
+  *this = SphereLoadProbe(frame.size(), probes, frame.grid());
+}
+
+SphereLoadProbe::SphereLoadProbe(size_t count, std::span<const PackedSample> probes, const SampleGrid& grid) : count_(count), probes_(probes.size()) {
   const size_t whole = (probes_ + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
   for (std::vector<float>* part : {&x_, &y_, &z_, &radius_}) part->resize(whole);  // spheres without a radius cover nothing
   for (size_t k = 0; k < probes_; ++k) {
-    // Each from its share of the frame, at another place of it: samples are in the order of the picture's pixels, and even steps would come upon one column again and again.
-    const double within = 0.6180339887 * static_cast<double>(k);
-    const double place = (static_cast<double>(k) + within - std::floor(within)) * static_cast<double>(count_) / static_cast<double>(probes_);
-    const Sphere sphere = unpackSample(frame.samples[std::min(count_ - 1, count_ == probes_ ? k : static_cast<size_t>(place))], grid);
+    const Sphere sphere = unpackSample(probes[k], grid);
     x_[k] = sphere.center.x;
     y_[k] = sphere.center.y;
     z_[k] = sphere.center.z;

@@ -4,6 +4,7 @@
 // to be built first is left out: it stands for all pictures of a frame that follow.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "render/core/camera.h"
@@ -20,11 +21,17 @@ struct SphereLoad {
   double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for its warp
 };
 
+/// Places of the samples that stand for all of so many; at most kMostSphereProbes.
+std::vector<uint32_t> sphereProbes(size_t count);
+inline constexpr size_t kMostSphereProbes = 512;
+
 /// Estimates loads from spheres that stand for all of a frame's.
 class SphereLoadProbe {
  public:
   SphereLoadProbe() = default;
   explicit SphereLoadProbe(const SampleFrame& frame);
+  /// The same from those alone that stand for all `count` samples: the ones at sphereProbes(count), in order.
+  SphereLoadProbe(size_t count, std::span<const PackedSample> probes, const SampleGrid& grid);
 
   /// For a camera that isUsable.
   SphereLoad loadFor(const Camera& camera) const;

@@ -5,6 +5,7 @@
 #include "render/warp/arithmetic_knob.h"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
+#include "render/warp/device/sphere_samples.h"
 #include "render/warp/lbvh/device_lbvh.h"
 #include "render/warp/lbvh/sample_capsules.h"
 #include "render/warp/sphere_ways.h"
@@ -50,7 +51,7 @@ class CudaSpheresWarp final : public DeviceWarp {
     const SamplePlane* const plane = spreadsOf(frame);
     hasSpreads_ = plane != nullptr;
     if (hasSpreads_) spreads_.upload(plane->values, stream);
-    probe_ = SphereLoadProbe(frame);
+    probe_ = spheres_.probeOf(frame, frameThere().view(), stream);
     way_ = SphereTracing::automatic;
   }
 
@@ -90,6 +91,7 @@ class CudaSpheresWarp final : public DeviceWarp {
   SphereTracing built_ = SphereTracing::automatic;  // the hierarchy that stands, if it is one
   float smear_ = 0.0f;
   bool hasSpreads_ = false;
+  SphereSamples spheres_;
   SphereLoadProbe probe_;
   cuda::DeviceBuffer<std::byte> spreads_;  // floats; see kSpreadPlane
   cuda::DeviceBuffer<glm::vec3> halfLines_;

@@ -12,6 +12,7 @@
 #include "render/cuda/devices.h"
 #include "render/warp/completed_warp.h"
 #include "render/warp/fallback_warp.h"
+#include "render/warp/host_frame_warp.h"
 #include "render/warp/fill.h"
 #include "render/warp/hold_warp.h"
 #include "render/warp/kept_frames.h"
@@ -127,7 +128,9 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
   const auto makeOn = [&descriptor, resources](Backend backend) {
     WarpResources bound = resources;
     bound.backend = backend;
-    return descriptor.make(bound);
+    std::unique_ptr<Warp> warp = descriptor.make(bound);
+    const bool takesFramesThatAreAway = backend == Backend::cuda && descriptor.runsOnCuda;
+    return takesFramesThatAreAway ? std::move(warp) : makeHostFrameWarp(std::move(warp));
   };
   // One device for all that are made so: of each frame that is kept there is one.
   const auto make = [backend = resources.backend, onFallback = resources.onFallback, makeOn, hasFailed = std::make_shared<bool>(false)] {

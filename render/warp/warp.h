@@ -81,7 +81,8 @@ class Warp {
  public:
   virtual ~Warp() = default;
 
-  /// Takes the frame to draw from now on and builds whatever drawing it needs (a hierarchy, a vertex buffer).
+  /// Takes the frame to draw from now on and builds whatever drawing it needs (a hierarchy, a vertex buffer). Techniques on a device take frames that are away
+  /// (SampleFrame::isAway) as well; whatever makeWarp makes takes all.
   virtual void setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token& stop = {}) = 0;
 
   /// Draws the frame as `camera` sees it; both images get the camera's size. Without a frame nothing is covered.

@@ -10,6 +10,7 @@
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/march/frame_places.h"
+#include "render/warp/device/sphere_samples.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/segments_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
@@ -42,6 +43,19 @@ class CodecOnDevice : public testing::Test {
     const DecodeError error = onDevice_->decode(payload, frame.size(), decoded);
     ASSERT_EQ(error, std::nullopt) << what;
     EXPECT_TRUE(areSame(decoded, frame)) << what;
+    expectSameThere(frame, what);
+  }
+
+  /// The same where it stays on the device, and codes again to the same bytes.
+  void expectSameThere(const SampleFrame& frame, const std::string& what) {
+    SampleFrame decoded = headOf(frame);
+    ASSERT_EQ(onDevice_->decode(FrameCodec().encode(frame, kTiled), frame.size(), decoded, {.place = DecodedPlace::device}), std::nullopt) << what;
+    const bool isHosts = frame.size() == 0 || std::ranges::any_of(frame.planes, [](const SamplePlane& plane) { return plane.name != kLayerPlane; });
+    EXPECT_EQ(decoded.isAway, !isHosts) << what;
+    EXPECT_TRUE(areSame(onHost(decoded), frame)) << what;
+    decoded.proxy = frame.proxy;
+    for (const CodecSettings& coding : kEveryCoding) EXPECT_TRUE(onDevice_->encode(decoded, coding) == FrameCodec().encode(frame, coding)) << what << ", " << nameOf(coding.format);
+    if (decoded.isAway) EXPECT_EQ(decoded.device->haveRadii(), std::ranges::none_of(frame.samples, [](PackedSample sample) { return radiusCode(sample) == 0; })) << what;
   }
 
   /// Whatever the bytes, the device answers as the host does.
@@ -50,6 +64,9 @@ class CodecOnDevice : public testing::Test {
     const DecodeError host = FrameCodec().decode(payload, frame.size(), ofHost), device = onDevice_->decode(payload, frame.size(), ofDevice);
     ASSERT_EQ(host.has_value(), device.has_value()) << what << ": " << host.value_or("accepted") << " / " << device.value_or("accepted");
     ASSERT_TRUE(areSame(ofHost, ofDevice)) << what;
+    SampleFrame there = headOf(frame);
+    ASSERT_EQ(onDevice_->decode(payload, frame.size(), there, {.place = DecodedPlace::device}), device) << what;
+    ASSERT_TRUE(areSame(ofHost, onHost(there))) << what;
   }
 
   std::unique_ptr<FrameCodec> onDevice_;
@@ -142,9 +159,10 @@ TEST_F(CodecOnDevice, TechniquesGoOnWithWhatWasDecodedThere) {
     const SampleFrame frame = marcher->march(cornerCamera(*shells(), 200 + 40 * static_cast<uint32_t>(frames.size()), 150), settings);
     const ByteVector payload = onDevice_->encode(frame, kTiled);
     const auto& decoded = frames.emplace_back(std::make_shared<SampleFrame>(headOf(frame)));
-    ASSERT_EQ(onDevice_->decode(payload, frame.size(), *decoded), std::nullopt);
+    const DecodedPlace place = frames.size() % 2 == 0 ? DecodedPlace::device : DecodedPlace::host;
+    ASSERT_EQ(onDevice_->decode(payload, frame.size(), *decoded, {.place = place}), std::nullopt);
     EXPECT_NE(decoded->device, nullptr);
-    EXPECT_FALSE(decoded->isAway);
+    EXPECT_EQ(decoded->isAway, place == DecodedPlace::device);
     EXPECT_TRUE(areSame(onHost(*decoded), frame));
   }
   const Camera camera = cornerCamera(*shells(), 180, 140);
@@ -224,6 +242,32 @@ TEST_F(CodecOnDevice, FramesOfAllKindsInTurns) {
       expectSame(marched(shells(), round == 1 ? settings : MarchSettings{}, width, height), "marched");
       expectSame(garbageFrame(width, height, 900, static_cast<uint32_t>(round)), "garbage");
     }
+}
+
+TEST_F(CodecOnDevice, SamplesWithoutARadiusAreKnown) {
+  SampleFrame frame = garbageFrame(640, 480, 5000, 3);
+  for (PackedSample& sample : frame.samples) sample = packCodes(columnOf(sample), rowOf(sample), depthCode(sample), std::max(radiusCode(sample), 1u));
+  expectSameThere(frame, "all have one");
+  PackedSample& last = frame.samples.back();
+  last = packCodes(columnOf(last), rowOf(last), depthCode(last), 0);
+  expectSame(frame, "the last has none");
+}
+
+/// Of a frame that is nowhere else.
+TEST_F(CodecOnDevice, SpheresThatStandForAllAreThoseOfTheHost) {
+  const MarcherPtr marcher = makeCudaMarcher(shells(), translucent(*shells()));
+  const Camera near = cornerCamera(*shells(), 500, 400);
+  for (const auto& [width, height] : {std::pair(530u, 310u), std::pair(9u, 7u), std::pair(1u, 1u)}) {
+    const SampleFrame left = marcher->marchToCode(cornerCamera(*shells(), width, height), {}), here = onHost(left);
+    cuda::Stream stream;
+    DeviceFrame there;
+    there.upload(left, stream);
+    const SphereLoad expected = SphereLoadProbe(here).loadFor(near), got = SphereSamples().probeOf(left, there.view(), stream).loadFor(near);
+    EXPECT_EQ(got.fragments, expected.fragments) << width;
+    EXPECT_EQ(got.tiles, expected.tiles) << width;
+    EXPECT_EQ(got.spheres, expected.spheres) << width;
+    EXPECT_TRUE(expected.fragments > 0.0 || width == 1) << width;
+  }
 }
 
 /// Coders of many clients share what works for them.

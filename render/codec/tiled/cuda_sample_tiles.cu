@@ -57,7 +57,8 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
   sheet_.write();
 }
 
-DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held) {
+DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held,
+                                         DecodedPlace place) {
   const TileGrid grid = tiledGridOf(frame, count);
   hashSent_ = reader.take<uint64_t>();
   if (reader.ranOut()) return "the tiled payload ends before its head does";
@@ -81,6 +82,7 @@ DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement
   hash_.fetch(stream_);
   sheet_.askForReport();
   count_ = count;
+  if (place == DecodedPlace::device) return std::nullopt;
   takenSamples_ = pinned<PackedSample>(count);
   takenColors_ = pinned<Rgba8>(count);
   takenLayers_ = pinned<std::byte>(isLayered ? count : 0);
@@ -94,7 +96,7 @@ DecodeError CudaSampleTiles::take(SampleFrame& frame, CudaFrame& held) {
   const SheetReport report = sheet_.report();
   if ((report.flags & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
   if (report.values != count_) return kOtherNumbers;
-  if (report.flags != 0) return kDamagedTiles;
+  if ((report.flags & ~static_cast<uint32_t>(kWithoutRadius)) != 0) return kDamagedTiles;
   if (hash_.onHost() != hashSent_) return kOtherSamples;
   frame.samples = std::move(takenSamples_);
   frame.colors = std::move(takenColors_);
@@ -104,6 +106,7 @@ DecodeError CudaSampleTiles::take(SampleFrame& frame, CudaFrame& held) {
   sizes.samples = count_;
   sizes.hasLayers = hasLayers(frame);
   held.setSizes(sizes);
+  held.setHaveRadii((report.flags & kWithoutRadius) == 0);
   return std::nullopt;
 }
 

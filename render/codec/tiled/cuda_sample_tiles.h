@@ -21,9 +21,9 @@ class CudaSampleTiles : public CudaTiles {
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
 
-  /// `count` samples, to `held` as well, which must stay until take().
-  DecodeError beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held);
-  /// Fills samples and colours of the frame, and kLayerPlane if it has that.
+  /// `count` samples, to `held`, which must stay until take(), and to the host unless that is not their place.
+  DecodeError beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held, DecodedPlace place);
+  /// Fills samples and colours of the frame, and kLayerPlane if it has that, with what came to the host.
   DecodeError take(SampleFrame& frame, CudaFrame& held);
   /// Waits for what is under way, and drops it.
   void settle() noexcept {

@@ -66,14 +66,15 @@ void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placeme
   hash(own);
 }
 
-DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held) {
-  taken_ = {placement, hasNormals, most, reader.take<uint64_t>(), {}};
+DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held,
+                                          DecodedPlace place) {
   const TileGrid grid{frame.camera.width, frame.camera.height};
+  taken_ = {placement, hasNormals, most, reader.take<uint64_t>(), place, size_t{grid.width} * grid.height, 0, {}};
   const auto layers = static_cast<uint32_t>(std::clamp(frame.settings.sample.segments, 0, static_cast<int>(kSegmentsRange.highest)));
   if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
   sheet_.begin(grid, segmentForm(hasNormals), layers, false);
   if (!sheet_.upload(head_)) return kDamagedTiles;
-  sheet_.takeShapes(std::min(layers, head_.layers), roomIn(held.buffers(), size_t{grid.width} * grid.height, 0, hasNormals).rays);
+  sheet_.takeShapes(std::min(layers, head_.layers), roomIn(held.buffers(), taken_.pixels, 0, hasNormals).rays);
   sheet_.count();
   sheet_.askForReport();
   return std::nullopt;
@@ -81,11 +82,12 @@ DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, Placement placemen
 
 DecodeError CudaSegmentTiles::goOnTaking(const SampleFrame& frame, CudaFrame& held) {
   const bool hasNormals = taken_.hasNormals;
-  const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
+  const size_t pixels = taken_.pixels;
   const SheetReport report = sheet_.report();
   const size_t count = report.values;
   if ((report.flags & kDamagedShapes) != 0) return "what rays have of segments is damaged";
   if (count > taken_.most) return "the frame has more segments than are allowed";
+  taken_.count = count;
   const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
   const SegmentView own = viewOf(frame, taken_.placement, pixels, count, roomIn(held.buffers(), pixels, count, hasNormals));
   sheet_.takePlanes();
@@ -96,6 +98,7 @@ DecodeError CudaSegmentTiles::goOnTaking(const SampleFrame& frame, CudaFrame& he
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   hash(own);
   sheet_.askForReport();
+  if (taken_.place == DecodedPlace::device) return std::nullopt;
   // While the device works: rays are filled with zeros.
   FrameSegments& segments = taken_.segments;
   segments.rays = pinned<RaySegmentCount>(pixels);
@@ -116,8 +119,8 @@ DecodeError CudaSegmentTiles::take(SampleFrame& frame, CudaFrame& held) {
   if (flags != 0) return kDisorderedSegments;
   frame.segments = std::move(taken_.segments);
   CudaFrameSizes sizes = held.sizes();
-  sizes.rays = frame.segments.rays.size();
-  sizes.segments = frame.segments.size();
+  sizes.rays = taken_.pixels;
+  sizes.segments = taken_.count;
   sizes.hasNormals = taken_.hasNormals;
   held.setSizes(sizes);
   return std::nullopt;

@@ -20,11 +20,11 @@ class CudaSegmentTiles : public CudaTiles {
   static bool takes(const SampleFrame& frame);
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
-  /// At most `most`, to `held` as well, which must stay until take().
-  DecodeError beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held);
+  /// At most `most`, to `held`, which must stay until take(), and to the host unless that is not their place.
+  DecodeError beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held, DecodedPlace place);
   /// Waits until it is known how many there are; from then on the device needs nobody.
   DecodeError goOnTaking(const SampleFrame& frame, CudaFrame& held);
-  /// Fills the frame's segments. After goOnTaking().
+  /// Fills the frame's segments with what came to the host. After goOnTaking().
   DecodeError take(SampleFrame& frame, CudaFrame& held);
   /// Waits for what is under way, and drops it.
   void settle() noexcept {
@@ -49,6 +49,8 @@ class CudaSegmentTiles : public CudaTiles {
     bool hasNormals = false;
     size_t most = 0;
     uint64_t hashSent = 0;
+    DecodedPlace place = DecodedPlace::host;
+    size_t pixels = 0, count = 0;
     FrameSegments segments;
   };
   Taken taken_;

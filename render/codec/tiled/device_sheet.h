@@ -77,6 +77,7 @@ enum SheetFlag : uint32_t {
   kDamagedShapes = 1,
   kDamagedStreams = 2,
   kDisordered = 4,  ///< the segments of a ray are
+  kWithoutRadius = 8,  ///< a sample is: no damage
 };
 
 struct SheetReport {

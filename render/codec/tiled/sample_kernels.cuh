@@ -78,7 +78,7 @@ __global__ void __launch_bounds__(kCodedTileWidth) arrangeSamples(SampleView fra
 
 /// Back.
 __global__ void __launch_bounds__(kCodedTileWidth) finishSamples(SampleView frame, SheetView view, unsigned long long* hash) {
-  if (!view.isFull() || *view.flags != 0) return;
+  if (!view.isFull() || (*view.flags & ~static_cast<uint32_t>(kWithoutRadius)) != 0) return;
   const TileRect rect = view.grid.at(blockIdx.x);
   uint64_t own = 0;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t layer, uint32_t i, uint32_t at) {
@@ -88,6 +88,7 @@ __global__ void __launch_bounds__(kCodedTileWidth) finishSamples(SampleView fram
     const Rgba8 color = frame.streamColors[at];
     const uint32_t radius =
         frame.isAsBefore ? frame.radii[at] : (frame.likelyRadius(code, color) + static_cast<uint32_t>(unzigzag(take(SampleNumbers::radius)))) & kRadiusCodeMax;
+    if (radius == 0) atomicOr(view.flags, kWithoutRadius);
     const PackedSample sample = packCodes(rect.x0 + threadIdx.x, rect.y0 + blockIdx.y, code, radius);
     frame.samples[i] = sample;
     frame.colors[i] = color;

@@ -2,6 +2,7 @@
 // See tiled_coder.h.
 #include "render/codec/tiled/tiled_coder.h"
 
+#include <optional>
 #include <utility>
 
 #include "render/base/error.h"
@@ -50,13 +51,27 @@ class FallbackTiledCoder final : public TiledCoder {
     append(out, [&](TiledCoder& coder) { coder.appendSamples(out, frame, placement); });
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
-    return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSamples(reader, placement, count, frame); });
+    return take(reader, frame, [&](TiledCoder& coder) {
+      if (isOnHost_ && leftThere_) {  // lost with the device
+        SegmentBytes again = *std::exchange(leftThere_, std::nullopt);
+        if (DecodeError error = coder.takeSegments(again.reader, again.placement, again.hasNormals, again.most, frame)) return error;
+      }
+      return coder.takeSamples(reader, placement, count, frame);
+    });
   }
   void appendSegments(ByteVector& out, const SampleFrame& frame, Placement placement) override {
     append(out, [&](TiledCoder& coder) { coder.appendSegments(out, frame, placement); });
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSegments(reader, placement, hasNormals, most, frame); });
+    const SegmentBytes bytes{reader, placement, hasNormals, most};
+    leftThere_.reset();
+    const DecodeError error = take(reader, frame, [&](TiledCoder& coder) { return coder.takeSegments(reader, placement, hasNormals, most, frame); });
+    if (!error && !isOnHost_ && place_ == DecodedPlace::device) leftThere_ = bytes;
+    return error;
+  }
+  void setPlace(DecodedPlace place) override {
+    place_ = place;
+    if (coder_) coder_->setPlace(place);
   }
   void beginToAppendSegments(const SampleFrame& frame, Placement placement) override {
     begin([&](TiledCoder& coder) { coder.beginToAppendSegments(frame, placement); });
@@ -76,6 +91,7 @@ class FallbackTiledCoder final : public TiledCoder {
   }
   std::vector<SummedWords> takeSummed() override { return coder_ ? coder_->takeSummed() : std::vector<SummedWords>(); }
   void endBegun() override {
+    leftThere_.reset();
     if (coder_) coder_->endBegun();
   }
   void forget() override {
@@ -85,7 +101,10 @@ class FallbackTiledCoder final : public TiledCoder {
  private:
   /// Made when something is first coded: most frames never are in tiles.
   TiledCoder& coder() {
-    if (!coder_) coder_ = makeFirst_();
+    if (!coder_) {
+      coder_ = makeFirst_();
+      coder_->setPlace(place_);
+    }
     return *coder_;
   }
   template <class Call>
@@ -124,11 +143,23 @@ class FallbackTiledCoder final : public TiledCoder {
 
   void leave(const DeviceError& error) {
     coder_ = makeHostTiledCoder();
+    isOnHost_ = true;
     if (onFallback_) std::exchange(onFallback_, nullptr)(error.what());
   }
 
+  /// Of a frame's segments, in a payload that stays until endBegun().
+  struct SegmentBytes {
+    ByteReader reader;
+    Placement placement;
+    bool hasNormals;
+    size_t most;
+  };
+
   const std::function<TiledCoderPtr()> makeFirst_;
   TiledCoderPtr coder_;
+  bool isOnHost_ = false;
+  DecodedPlace place_ = DecodedPlace::host;
+  std::optional<SegmentBytes> leftThere_;  // taken, and nowhere but on the device
   std::function<void(const std::string& reason)> onFallback_;
 };
 

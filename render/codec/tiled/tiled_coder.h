@@ -27,6 +27,9 @@ class TiledCoder {
   /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
 
+  /// Where what is taken from now on is to stay. DecodedPlace::device is a wish: takeSamples() says whether it came true (SampleFrame::isAway), for samples and segments together.
+  virtual void setPlace(DecodedPlace) {}
+
   /// Say that what appends or takes the same will be called, of what a reader is at, after what else there is of the frame: a device may begin with that meanwhile. The frame
   /// and the bytes, which may be damaged, must stay until then, or until endBegun().
   virtual void beginToAppendSegments(const SampleFrame&, Placement) {}

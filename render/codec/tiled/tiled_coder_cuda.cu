@@ -90,14 +90,16 @@ class CudaTiledCoder final : public TiledCoder {
 
   void beginToTakeSegments(ByteReader reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame) override {
     if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
-    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held());
+    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held(), place_);
+    placements_.borders = placement;
     begunSegments_ = &frame;
     mayGoOn_ = true;
   }
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
     if (tiledGridOf(frame, count).count() > 0) {
-      error_ = worker().samples.beginToTake(reader, placement, count, frame, held());
+      error_ = worker().samples.beginToTake(reader, placement, count, frame, held(), place_);
+      placements_.samples = placement;
       begunSamples_ = &frame;
     }
     if (begunSegments_ == &frame) goOnTakingSegments(frame);  // samples go ahead, whose way to the host is free until segments want it
@@ -109,7 +111,11 @@ class CudaTiledCoder final : public TiledCoder {
     }
     if (begunSamples_ != &frame) beginToTakeSamples(reader, placement, count, frame);
     if (!error_) error_ = worker().samples.take(frame, held());
-    if (!error_) frame.device = std::move(held_);
+    if (!error_) {
+      held().setPlacements(placements_);
+      frame.device = std::move(held_);
+      frame.isAway = place_ == DecodedPlace::device;
+    }
     leave();
     return std::exchange(error_, std::nullopt);
   }
@@ -120,6 +126,8 @@ class CudaTiledCoder final : public TiledCoder {
     if (segmentError_) return segmentError_;
     return worker().segments.take(frame, held());
   }
+
+  void setPlace(DecodedPlace place) override { place_ = place; }
 
   /// Page-locked if it can be: the device copies its part there itself, to pages that were written to before. Who sends it holds them so long.
   ByteVector roomFor(size_t bytes) override {
@@ -172,6 +180,8 @@ class CudaTiledCoder final : public TiledCoder {
   std::shared_ptr<CudaFrame> held_;  // of the frame that is read
   const SampleFrame *begunSegments_ = nullptr, *begunSamples_ = nullptr;  // whose are under way; null: nobody's
   std::vector<SummedWords> summed_;
+  DecodedPlace place_ = DecodedPlace::host;
+  FramePlacements placements_;        // of what is read
   bool mayGoOn_ = false;              // segments are begun, and nobody has gone on with them
   DecodeError segmentError_, error_;  // of segments and samples, while they are read
   TiledCoderPtr host_;  // of frames that are not for a device

@@ -15,9 +15,12 @@ void DeviceFrame::upload(const SampleFrame& frame, cudaStream_t stream) {
     throw InputError("a frame may have at most " + std::to_string(kMaxLbvhSpheres) + " samples, not " + std::to_string(frame.size()));
   const auto count = static_cast<uint32_t>(frame.size());
   held_.reset();
+  layers_ = nullptr;
   if (const CudaFrame* const there = CudaFrame::of(frame); there != nullptr && there->sizes().samples == frame.size()) {
     held_ = frame.device;
-    view_ = {there->buffers().samples.data(), there->buffers().colors.data(), count, frame.grid()};
+    const CudaFrameBuffers& buffers = there->buffers();
+    view_ = {buffers.samples.data(), buffers.colors.data(), count, frame.grid()};
+    layers_ = there->sizes().hasLayers ? buffers.layers.data() : nullptr;
     return;
   }
   samples_.upload(frame.samples, stream);

@@ -25,12 +25,15 @@ class DeviceFrame {
   /// Copies the frame's samples, in stream order, unless they are on the device (SampleFrame::device), which it then goes on with; the frame must stay until the
   /// stream has got there. Throws InputError for more samples than a hierarchy can hold, DeviceError.
   void upload(const SampleFrame& frame, cudaStream_t stream);
-  DeviceFrameView view() const { return view_; }
+  const DeviceFrameView& view() const { return view_; }
+  /// kLayerPlane where it is on the device as well; else null.
+  const uint8_t* layers() const { return layers_; }
 
  private:
   cuda::DeviceBuffer<PackedSample> samples_;
   cuda::DeviceBuffer<Rgba8> colors_;
   FrameOnDevicePtr held_;  // null: in the memory above
+  const uint8_t* layers_ = nullptr;
   DeviceFrameView view_;
 };
 

@@ -43,6 +43,8 @@ class DeviceWarp : public Warp {
   virtual bool blends() const { return false; }
   /// Nothing anywhere, in stream order; for those that blend.
   static void clearPixels(const Camera& camera, const DevicePixels& pixels, cudaStream_t stream);
+  /// As upload() has copied it.
+  const DeviceFrame& frameThere() const { return deviceFrame_; }
   /// In device memory.
   const ColorTables* colorTables() const { return colorTables_.data(); }
 

@@ -61,7 +61,7 @@ __global__ void __launch_bounds__(kSurfaceThreads) resolvePieces(const __grid_co
   if (isGap) isWanted[y / WantedTiles::kSide * tilesInRow + x / WantedTiles::kSide] = 1;
 }
 
-inline __global__ void __launch_bounds__(kSurfaceThreads) closeGaps(const __grid_constant__ HitPlanes nearest, const __grid_constant__ SamplesOnDevice frame, const __grid_constant__ SampleRays rays,
+static __global__ void __launch_bounds__(kSurfaceThreads) closeGaps(const __grid_constant__ HitPlanes nearest, const __grid_constant__ SamplesOnDevice frame, const __grid_constant__ SampleRays rays,
                                                                     const __grid_constant__ Camera frameCamera, const __grid_constant__ Camera camera, DevicePixels pixels) {
   const uint32_t i = blockIdx.x * kSurfaceThreads + threadIdx.x;
   if (i >= camera.width * camera.height) return;

@@ -83,9 +83,12 @@ SampleFrame headOf(const SampleFrame& frame) {
 void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   head_ = headOf(frame);
   const FrameSegments& segments = frame.segments;
-  width_ = segments.empty() ? 0 : static_cast<int>(frame.camera.width);
-  height_ = segments.empty() ? 0 : static_cast<int>(frame.camera.height);
-  hasNormals_ = !segments.normals.empty();
+  const CudaFrame* const there = CudaFrame::of(frame);
+  const bool isThere = there != nullptr && (frame.isAway || (there->sizes().rays == segments.rays.size() && there->sizes().segments == segments.size()));
+  const size_t rays = isThere ? there->sizes().rays : segments.rays.size(), count = isThere ? there->sizes().segments : segments.size();
+  width_ = rays == 0 ? 0 : static_cast<int>(frame.camera.width);
+  height_ = rays == 0 ? 0 : static_cast<int>(frame.camera.height);
+  hasNormals_ = isThere ? there->sizes().hasNormals : !segments.normals.empty();
   held_.reset();
   if (empty()) return;
   if (opticalDepths_.data() == nullptr) {
@@ -95,8 +98,6 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   }
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   fieldDepths_ = fieldDepthsOf(frame.quantization);
-  const CudaFrame* const there = CudaFrame::of(frame);
-  const bool isThere = there != nullptr && there->sizes().rays == segments.rays.size() && there->sizes().segments == segments.size();
   if (isThere) held_ = frame.device;
   from_ = isThere ? &there->buffers() : &uploaded_;
   if (!isThere) {
@@ -105,15 +106,15 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
     uploaded_.segmentColors.upload(segments.colors, stream);
     uploaded_.normals.upload(segments.normals, stream);
   }
-  first_.reserve(segments.rays.size() + 1);
+  first_.reserve(rays + 1);
   // At least one place, so that there is memory to point to.
-  spans_.reserve(segments.size() + SegmentField::kBeyond);
-  matter_.reserve(segments.size() + 1);
-  places_.reserve(segments.size() + 1);
-  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(spans_.data() + segments.size(), 0, SegmentField::kBeyond * sizeof(FieldSpan), stream));
-  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(matter_.data(), 0, sizeof(FieldMatter), stream));  // walks look at one, whether there are any or not
-  if (hasNormals_) unlit_.reserve(segments.size() + 1);
-  ofPixels_.reserve(segments.rays.size());
+  spans_.reserve(count + SegmentField::kBeyond);
+  matter_.reserve(count + 1);
+  places_.reserve(count + 1);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(spans_.data() + count, 0, SegmentField::kBeyond * sizeof(FieldSpan), stream));
+  if (count == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(matter_.data(), 0, sizeof(FieldMatter), stream));  // walks look at one, whether there are any or not
+  if (hasNormals_) unlit_.reserve(count + 1);
+  ofPixels_.reserve(rays);
   for (int level = 0; level < kFieldLevels; ++level)
     tiles_[level].reserve(tileLevel(width_, height_, level).count());
 }
