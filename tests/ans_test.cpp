@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "render/codec/band_layout.h"
 #include "render/codec/tiled/ans_lanes.h"
 #include "render/codec/tokens.h"
 
@@ -117,6 +118,40 @@ RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
   RC_ASSERT(numbersBack == numbers);
   RC_ASSERT(secondBack == second);
   RC_ASSERT(reader.isSound());
+}
+
+/// Every frequency, at states where a quotient changes and at any others.
+TEST(AnsWriterShare, DividesExactly) {
+  std::mt19937 random(9);
+  for (uint32_t frequency = 1; frequency < kAnsScale; ++frequency) {
+    const AnsShare share{static_cast<uint32_t>(random() % (kAnsScale - frequency + 1)), frequency};
+    const AnsWriterShare own = AnsWriterShare::of(share);
+    ASSERT_EQ(own.frequency(), frequency);
+    const uint32_t below = frequency << (32 - kAnsBits);  // states that take the symbol
+    const auto expectSame = [&](uint32_t state) {
+      uint16_t word;
+      uint32_t left = state;
+      ASSERT_EQ(own.gives(state), ansGives(left, share, word)) << frequency << ", " << state;
+      if (left < below) ASSERT_EQ(own.put(left), ansPut(left, share)) << frequency << ", " << left;
+    };
+    for (const uint32_t state : {kAnsLow, below - 1, below, below + 1, ~0u, ~0u - 1}) expectSame(state);
+    for (int round = 0; round < 200; ++round) {
+      const uint32_t quotient = kAnsLow / frequency + 1 + static_cast<uint32_t>(random()) % ((1u << (32 - kAnsBits)) - kAnsLow / frequency - 1);
+      expectSame(std::max(kAnsLow, quotient * frequency - 1));
+      expectSame(std::max(kAnsLow, quotient * frequency));
+      expectSame(std::max(kAnsLow, static_cast<uint32_t>(random())));
+    }
+  }
+}
+
+TEST(Predicted, IsThePlaneHeldBetweenNeighboursWhateverTheyAre) {
+  std::mt19937 random(11);
+  const auto any = [&] { return static_cast<int32_t>(random() % 4 == 0 ? random() : random() % 7 == 0 ? 0x7fffffffu + random() % 2 : random() % 16); };
+  for (int round = 0; round < 100000; ++round) {
+    const int32_t west = any(), north = any(), northWest = any();
+    const int64_t plane = int64_t{west} + north - northWest;
+    ASSERT_EQ(predicted(west, north, northWest), std::clamp(plane, int64_t{std::min(west, north)}, int64_t{std::max(west, north)})) << west << " " << north << " " << northWest;
+  }
 }
 
 TEST(AnsLanes, TakeAboutTheBitsThatTheirModelSays) {

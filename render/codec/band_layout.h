@@ -41,8 +41,9 @@ struct BandLayout {
 /// Median of two neighbours and the plane through three.
 WARPSCOPE_HD inline int32_t predicted(int32_t west, int32_t north, int32_t northWest) {
   const int32_t low = west < north ? west : north, high = west < north ? north : west;
-  const auto plane = static_cast<int64_t>(west) + north - northWest;
-  return plane < low ? low : plane > high ? high : static_cast<int32_t>(plane);
+  // West and north less north-west, within these: between them it does not overflow.
+  const auto plane = static_cast<int32_t>(static_cast<uint32_t>(west) + static_cast<uint32_t>(north) - static_cast<uint32_t>(northWest));
+  return northWest >= high ? low : northWest <= low ? high : plane;
 }
 
 }  // namespace warpscope

@@ -123,6 +123,8 @@ class Event {
 
   void record(cudaStream_t stream) { WARPSCOPE_CUDA_CHECK(cudaEventRecord(event_, stream)); }
   void synchronize() const { WARPSCOPE_CUDA_CHECK(cudaEventSynchronize(event_)); }
+  /// What the stream gets from now on waits until it was passed.
+  void holdUp(cudaStream_t stream) const { WARPSCOPE_CUDA_CHECK(cudaStreamWaitEvent(stream, event_, 0)); }
   /// Milliseconds from `earlier` to this; both must have been passed.
   double millisecondsSince(const Event& earlier) const {
     float ms = 0.0f;

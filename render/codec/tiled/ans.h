@@ -40,6 +40,39 @@ WARPSCOPE_HD inline uint32_t ansPut(uint32_t state, const AnsShare& share) {
 /// 1 + 1 / frequency below 2^32 / frequency and a state less than 2^32.
 WARPSCOPE_HD inline uint32_t ansReciprocal(uint32_t frequency) { return frequency > 0 ? ~0u / frequency : 0; }
 
+/// What a writer does with a symbol, for those that divide slowly: less than kAnsScale. The quotient of any word by the frequency is the upper half of one product and
+/// sum, shifted (Robison 2005, "N-bit unsigned division via N-bit multiply-add").
+struct AnsWriterShare {
+  uint32_t multiplier = 0;
+  uint32_t parts = 0;  ///< from below: start (12 bits), frequency (13), shift (4), whether the multiplier is added (1)
+
+  static constexpr uint32_t kFrequencyAt = kAnsBits, kShiftAt = 2 * kAnsBits + 1, kAddsAt = kShiftAt + 4;
+
+  WARPSCOPE_HD static AnsWriterShare of(const AnsShare& share) {
+    AnsWriterShare own{0, share.start | share.frequency << kFrequencyAt};
+    if (share.frequency == 0) return own;
+    uint32_t shift = 0;
+    while (share.frequency >> (shift + 1) != 0) ++shift;
+    own.parts |= shift << kShiftAt;
+    const uint64_t whole = uint64_t{1} << (32 + shift);
+    const auto below = static_cast<uint32_t>(whole / share.frequency - (share.frequency == 1u << shift ? 1 : 0));
+    const uint64_t tooMuch = uint64_t{below} * share.frequency + share.frequency - whole;  // if the multiplier were one more
+    const bool adds = share.frequency == 1u << shift || tooMuch > uint64_t{1} << shift;
+    own.multiplier = adds ? below : below + 1;
+    own.parts |= (adds ? 1u : 0u) << kAddsAt;
+    return own;
+  }
+  WARPSCOPE_HD uint32_t frequency() const { return parts >> kFrequencyAt & (2 * kAnsScale - 1); }
+  /// Whether it has to give a word away first: then it goes on as state >> 16.
+  WARPSCOPE_HD bool gives(uint32_t state) const { return state >= frequency() << (32 - kAnsBits); }
+  /// As ansPut().
+  WARPSCOPE_HD uint32_t put(uint32_t state) const {
+    const uint64_t product = uint64_t{state} * multiplier + (parts >> kAddsAt != 0 ? multiplier : 0u);
+    const uint32_t quotient = static_cast<uint32_t>(product >> 32) >> (parts >> kShiftAt & 15u);
+    return state + (parts & (kAnsScale - 1)) + quotient * (kAnsScale - frequency());
+  }
+};
+
 /// The same for `count` bits, 1 to kAnsRestBits.
 WARPSCOPE_HD inline bool ansGivesForBits(uint32_t& state, uint32_t count, uint16_t& word) {
   word = static_cast<uint16_t>(state);

@@ -36,7 +36,8 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
   const auto count = static_cast<uint32_t>(frame.size());
   const bool isLayered = hasLayers(frame);
   sheet_.begin(tiledGridOf(frame, count), sampleForm(isLayered), isLayered ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
-  const SheetView view = sheet_.reserveValues(count);
+  sheet_.reserveValues(count);
+  const SheetView view = sheet_.clearHistograms();
   const CudaFrame* const there = CudaFrame::ofAway(frame);
   CudaFrameBuffers& held = there != nullptr ? there->buffers() : uploaded_;
   if (there == nullptr) {
@@ -54,7 +55,7 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
   arrangeSamples<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples, view);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   putFronts(view, samples.jobs(), stream_);
-  sheet_.write();
+  sheet_.write(samples.jobs().planes(view.form));
 }
 
 DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held,

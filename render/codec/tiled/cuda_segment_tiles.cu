@@ -30,12 +30,12 @@ SegmentView CudaSegmentTiles::viewOf(const SampleFrame& frame, Placement placeme
           memory.normals, origins_.data(), words_[0].data(), words_[1].data(), words_[2].data(), words_[3].data()};
 }
 
-void CudaSegmentTiles::hash(const SegmentView& segments) {
-  hash_.clear(stream_);
+void CudaSegmentTiles::hash(const SegmentView& segments, cudaStream_t stream) {
+  hash_.clear(stream);
   constexpr unsigned kMostBlocks = 1024;  // each ends with additions to one word, which wait for one another
-  hashSegments<<<std::min(kMostBlocks, cuda::blocksFor(std::max(segments.pixels, segments.count), kThreads)), kThreads, 0, stream_>>>(segments, hash_.data());
+  hashSegments<<<std::min(kMostBlocks, cuda::blocksFor(std::max(segments.pixels, segments.count), kThreads)), kThreads, 0, stream>>>(segments, hash_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  hash_.fetch(stream_);
+  hash_.fetch(stream);
 }
 
 void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placement) {
@@ -52,7 +52,8 @@ void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placeme
     held.normals.upload(std::span(segments.normals), stream_);
   }
   sheet_.begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
-  const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
+  sheet_.reserveValues(static_cast<uint32_t>(count));
+  const SheetView view = sheet_.clearHistograms();
   const SegmentView own = viewOf(frame, placement, pixels, count, roomIn(held, pixels, count, hasNormals));
   countRays<<<cuda::blocksFor(own.pixels, kThreads), kThreads, 0, stream_>>>(own, view);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -62,8 +63,8 @@ void CudaSegmentTiles::beginToAppend(const SampleFrame& frame, Placement placeme
   arrangeSegments<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(own, view);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   putFronts(view, own.jobs(), stream_);
-  sheet_.write();
-  hash(own);
+  sheet_.write(own.jobs().planes(view.form));
+  hash(own, there != nullptr ? beside_ : stream_);  // what was uploaded is in the stream's order
 }
 
 DecodeError CudaSegmentTiles::beginToTake(ByteReader& reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame, CudaFrame& held,
@@ -96,7 +97,7 @@ DecodeError CudaSegmentTiles::goOnTaking(const SampleFrame& frame, CudaFrame& he
   takeFronts(view, own.jobs(), stream_);
   finishSegments<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(own, view);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  hash(own);
+  hash(own, stream_);
   sheet_.askForReport();
   if (taken_.place == DecodedPlace::device) return std::nullopt;
   // While the device works: rays are filled with zeros.

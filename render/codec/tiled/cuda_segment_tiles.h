@@ -41,7 +41,7 @@ class CudaSegmentTiles : public CudaTiles {
   };
   static Memory roomIn(CudaFrameBuffers& held, size_t pixels, size_t count, bool hasNormals);
   SegmentView viewOf(const SampleFrame& frame, Placement placement, size_t pixels, size_t count, const Memory& memory);
-  void hash(const SegmentView& segments);
+  void hash(const SegmentView& segments, cudaStream_t stream);
 
   CudaFrameBuffers uploaded_;  // of frames that are not on the device
   struct Taken {

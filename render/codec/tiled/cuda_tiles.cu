@@ -21,7 +21,7 @@ void CudaTiles::reserveStreams(size_t values) {
 SummedWords CudaTiles::append(ByteVector& out) {
   const size_t hashAt = out.size();
   appendLittle(out, uint64_t{0});
-  const SummedWords summed = sheet_.append(out);  // waits for all
+  const SummedWords summed = sheet_.append(out);  // waits for all, beside as well
   storeLittle(out.data() + hashAt, hash_.onHost());
   return summed;
 }

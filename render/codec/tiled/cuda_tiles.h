@@ -28,7 +28,10 @@ class CudaTiles {
  protected:
   explicit CudaTiles(cuda::Urgency urgency) : stream_(urgency) {}
   /// Waits for what is under way, whether the device can or not: memory of the host is free again.
-  void wait() noexcept { cudaStreamSynchronize(stream_); }
+  void wait() noexcept {
+    cudaStreamSynchronize(stream_);
+    cudaStreamSynchronize(beside_);
+  }
 
   static constexpr unsigned kThreads = 256;
 
@@ -44,8 +47,8 @@ class CudaTiles {
   PathGrid pathsOf(const SampleFrame& frame, Placement placement);
   /// Room for as many values, in the order of streams.
   void reserveStreams(size_t values);
-  const cuda::Stream stream_;
-  DeviceSheet sheet_{stream_};
+  const cuda::Stream stream_, beside_;
+  DeviceSheet sheet_{stream_, beside_};
   SheetHead head_;
   cuda::DeviceBuffer<int32_t> origins_;
   cuda::DeviceBuffer<uint32_t> words_[FrontJobs::kMost];

@@ -21,20 +21,13 @@ __device__ inline uint32_t lanesBelow() {
 /// Goes from the last symbol to the first, and from the end of its room to the front.
 class WarpWriter {
  public:
-  __device__ explicit WarpWriter(uint16_t* end) : at_(end) {}
+  __device__ explicit WarpWriter(uint16_t* end) : end_(end) {}
 
-  __device__ void put(const WriterShare& own, bool isActive) {
-    uint16_t word = 0;
-    give(isActive && ansGives(state_, own.share, word), word);
-    if (!isActive) return;
-    // ansPut() without a division.
-    uint32_t quotient = __umulhi(state_, own.reciprocal), rest = state_ - quotient * own.share.frequency;
-    for (int correction = 0; correction < 2; ++correction)
-      if (rest >= own.share.frequency) {
-        ++quotient;
-        rest -= own.share.frequency;
-      }
-    state_ = (quotient << kAnsBits) + rest + own.share.start;
+  __device__ void put(const AnsWriterShare& own, bool isActive) {
+    const bool gives = isActive && own.gives(state_);
+    give(gives, static_cast<uint16_t>(state_));
+    const uint32_t state = own.put(gives ? state_ >> 16 : state_);
+    if (isActive) state_ = state;
   }
   /// The lower `count` bits, at most kAnsRestBits; none where there are none.
   __device__ void putBits(uint32_t bits, uint32_t count) {
@@ -43,36 +36,51 @@ class WarpWriter {
     if (count > 0) state_ = ansPutBits(state_, bits & ((1u << count) - 1), count);
   }
   __device__ uint32_t state() const { return state_; }
-  __device__ uint16_t* begin() const { return at_; }
+  /// Words that were given away.
+  __device__ uint32_t count() const { return count_; }
 
  private:
   __device__ void give(bool gives, uint16_t word) {
     const uint32_t giving = __ballot_sync(kAllLanes, gives);
-    at_ -= __popc(giving);
-    if (gives) at_[__popc(giving & lanesBelow())] = word;
+    count_ += __popc(giving);
+    if (gives) end_[static_cast<int>(__popc(giving & lanesBelow())) - static_cast<int>(count_)] = word;
   }
 
-  uint32_t state_ = kAnsLow;
-  uint16_t* at_;
+  uint32_t state_ = kAnsLow, count_ = 0;
+  uint16_t* end_;
 };
 
-/// Calls put(symbol, whether the lane has one) for each step's symbols, the last first. Loads go ahead of the calls, which wait for one another.
-template <class T, class Put>
-__device__ void fromTheEnd(const T* symbols, uint32_t size, const Put& put) {
+/// Calls put(prepare(symbol), whether the lane has one) for each step's symbols, the last first. Loads and what prepare() does go ahead of the calls, which wait for one another;
+/// all lanes call it.
+template <class T, class Prepare, class Put>
+__device__ void fromTheEnd(const T* symbols, uint32_t size, const Prepare& prepare, const Put& put) {
   constexpr uint32_t kAhead = 8;  // steps
+  using Ready = decltype(prepare(T{}));
   const uint32_t lane = threadIdx.x % 32;
-  for (uint32_t steps = (size + 31) / 32; steps > 0;) {
-    const uint32_t some = min(steps, kAhead);
-    T loaded[kAhead];
+  uint32_t steps = (size + 31) / 32;
+  if (steps == 0) return;
+  // Some first, of which the last may be of fewer than all lanes; then as many as go at once.
+  const uint32_t some = (steps - 1) % kAhead + 1;
+  T loaded[kAhead];
+  Ready ready[kAhead];
 #pragma unroll
-    for (uint32_t k = 0; k < kAhead; ++k) {
-      const uint32_t i = (steps - 1 - k) * 32 + lane;
-      loaded[k] = k < some && i < size ? symbols[i] : T{0};
-    }
+  for (uint32_t k = 0; k < kAhead; ++k) {
+    const uint32_t i = (steps - 1 - k) * 32 + lane;
+    loaded[k] = k < some && i < size ? symbols[i] : T{0};
+  }
 #pragma unroll
-    for (uint32_t k = 0; k < kAhead; ++k)
-      if (k < some) put(loaded[k], (steps - 1 - k) * 32 + lane < size);
-    steps -= some;
+  for (uint32_t k = 0; k < kAhead; ++k) ready[k] = prepare(loaded[k]);
+#pragma unroll
+  for (uint32_t k = 0; k < kAhead; ++k)
+    if (k < some) put(ready[k], (steps - 1 - k) * 32 + lane < size);
+  for (steps -= some; steps > 0; steps -= kAhead) {
+    const T* const last = symbols + (steps - 1) * 32 + lane;
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k) loaded[k] = *(last - k * 32);
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k) ready[k] = prepare(loaded[k]);
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k) put(ready[k], true);
   }
 }
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <type_traits>
 
 #include "render/codec/tiled/block_sums.cuh"
 #include "render/codec/tiled/device_hash.cuh"
 #include "render/codec/tiled/device_lanes.cuh"
+#include "render/codec/tiled/symbol_counts.cuh"
 #include "render/codec/tiled/tile_threads.cuh"
 #include "render/cuda/pinned_memory.h"
 
@@ -26,25 +28,26 @@ __host__ __device__ size_t endOfRoom(const SheetView& view, uint32_t stream) {
   return size_t{view.begins[stream + 1]} * valueWords(view.form) + size_t{stream / view.layers + 1} * shapeWords(view.form) + size_t{stream + 1} * 2;
 }
 
-/// A block for each tile, a thread for each column. `layersUsed`: of any tile.
-__global__ void __launch_bounds__(kCodedTileWidth) countTiles(SheetView view, uint32_t* layersUsed) {
+constexpr uint32_t kCountedRows = 4;  // by a thread
+constexpr uint32_t kCountingThreads = kCodedTileWidth * kCodedTileHeight / kCountedRows;
+
+/// A block for each tile, a thread for some rows of a column. `layersUsed`: of any tile.
+__global__ void __launch_bounds__(kCountingThreads) countTiles(SheetView view, uint32_t* layersUsed) {
   __shared__ uint32_t sizes[kMostLayers][kCodedTileHeight];  // of each row
   const TileRect rect = view.grid.at(blockIdx.x);
-  const uint32_t x = threadIdx.x;
-  for (uint32_t i = x; i < kMostLayers * kCodedTileHeight; i += kCodedTileWidth) sizes[i / kCodedTileHeight][i % kCodedTileHeight] = 0;
+  const uint32_t x = threadIdx.x, column = x % kCodedTileWidth, top = x / kCodedTileWidth * kCountedRows;
+  for (uint32_t i = x; i < view.layers * kCodedTileHeight; i += kCountingThreads) sizes[i / kCodedTileHeight][i % kCodedTileHeight] = 0;
+  uint32_t counts[kCountedRows];  // one load does not wait for another
+#pragma unroll
+  for (uint32_t k = 0; k < kCountedRows; ++k) counts[k] = column < rect.width && top + k < rect.height ? view.counts[view.pixel(rect, column, top + k)] : 0;
   __syncthreads();
-  uint32_t counts[kCodedTileHeight];  // one load does not wait for another
 #pragma unroll
-  for (uint32_t y = 0; y < kCodedTileHeight; ++y) counts[y] = x < rect.width && y < rect.height ? view.counts[view.pixel(rect, x, y)] : 0;
-#pragma unroll
-  for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
-    const uint32_t count = counts[y];
+  for (uint32_t k = 0; k < kCountedRows; ++k)
     for (uint32_t layer = 0; layer < view.layers; ++layer) {
-      const uint32_t covered = __popc(__ballot_sync(kAllLanes, count > layer));
+      const uint32_t covered = __popc(__ballot_sync(kAllLanes, counts[k] > layer));
       if (covered == 0) break;
-      if (x % 32 == 0) atomicAdd(&sizes[layer][y], covered);
+      if (x % 32 == 0) atomicAdd(&sizes[layer][top + k], covered);
     }
-  }
   __syncthreads();
   if (x < rect.height) {
     uint32_t sum = 0;
@@ -69,9 +72,9 @@ constexpr int kSumThreads = 1024;
 __global__ void __launch_bounds__(kSumThreads) findBegins(uint32_t* streams, uint32_t streamCount, uint32_t* rows, uint32_t rowCount) {
   BlockSums<kSumThreads> sums;
   if (blockIdx.x == 0)
-    sums.ofArray(streams, streams, streamCount);
+    sums.ofArray<4>(streams, streams, streamCount);
   else
-    sums.ofArray(rows, rows, rowCount);
+    sums.ofArray<16>(rows, rows, rowCount);
 }
 
 /// What the byte of a mask at a place is.
@@ -113,30 +116,34 @@ __global__ void putFurther(SheetView view) {
   });
 }
 
-/// A block for each stream and shape or plane: how often each symbol of its model occurs.
-__global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint32_t* histograms) {
+/// A block for each stream and each of the shapes and planes that are not `counted` (a bit each, shapes first): how often each symbol of its model occurs.
+__global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint32_t counted) {
   __shared__ uint32_t counts[kAnsSymbols];
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
   if (layer >= view.streams[tile]) return;
+  uint32_t part = 0;
+  for (uint32_t before = blockIdx.y; (counted >> part & 1) != 0 || before-- > 0;) ++part;
   const auto add = [&](uint32_t model, uint32_t size, const auto& symbolAt) {
+    constexpr uint32_t kOwn = kCodedTilePixels / kAnsSymbols;  // one load does not wait for another
+    uint32_t symbols[kOwn];
+#pragma unroll
+    for (uint32_t k = 0; k < kOwn; ++k) {
+      const uint32_t i = k * kAnsSymbols + threadIdx.x;
+      symbols[k] = i < size ? symbolAt(i) : kAnsSymbols;
+    }
     counts[threadIdx.x] = 0;
     __syncthreads();
-    for (uint32_t begin = 0; begin < size; begin += blockDim.x) {
-      const uint32_t i = begin + threadIdx.x;
-      const uint32_t symbol = i < size ? symbolAt(i) : kAnsSymbols;
-      const uint32_t zeros = __ballot_sync(kAllLanes, symbol == 0);  // by far the most: one addition for all of a warp
-      if (threadIdx.x % 32 == 0 && zeros != 0) atomicAdd(&counts[0], static_cast<uint32_t>(__popc(zeros)));
-      if (symbol - 1 < kAnsSymbols - 1) atomicAdd(&counts[symbol], 1u);
-    }
+#pragma unroll
+    for (uint32_t k = 0; k < kOwn; ++k) countSymbol(counts, symbols[k]);
     __syncthreads();
-    if (counts[threadIdx.x] > 0) atomicAdd(&histograms[model * kAnsSymbols + threadIdx.x], counts[threadIdx.x]);
+    if (counts[threadIdx.x] > 0) atomicAdd(&view.histograms[model * kAnsSymbols + threadIdx.x], counts[threadIdx.x]);
   };
-  if (blockIdx.y < view.form.shapes) {
+  if (part < view.form.shapes) {
     if (layer > 0) return;
-    const uint8_t* const symbols = view.shape(blockIdx.y, tile);
-    return add(blockIdx.y, view.shapeSize(blockIdx.y, tile), [symbols](uint32_t i) { return symbols[i]; });
+    const uint8_t* const symbols = view.shape(part, tile);
+    return add(part, view.shapeSize(part, tile), [symbols](uint32_t i) { return symbols[i]; });
   }
-  const uint32_t plane = blockIdx.y - view.form.shapes, model = view.modelOf(layer, plane);
+  const uint32_t plane = part - view.form.shapes, model = view.modelOf(layer, plane);
   if (plane < view.form.numbers) {
     const uint32_t* const numbers = view.number(plane, stream);
     add(model, view.sizeOf(stream), [numbers](uint32_t i) { return tokenOf(numbers[i]); });
@@ -147,7 +154,7 @@ __global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint
 }
 
 /// A block for each model.
-__global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, WriterShare* shares) {
+__global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, AnsWriterShare* shares) {
   BlockSums<kAnsSymbols> sums;
   const uint32_t symbol = threadIdx.x, count = histograms[blockIdx.x * kAnsSymbols + symbol];
   uint32_t total, sum;
@@ -160,52 +167,81 @@ __global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histo
     start = sums.before(own, sum);
   }
   frequencies[blockIdx.x * kAnsSymbols + symbol] = own;
-  shares[blockIdx.x * kAnsSymbols + symbol] = WriterShare::of({start, own});
+  shares[blockIdx.x * kAnsSymbols + symbol] = AnsWriterShare::of({start, own});
+}
+
+/// Symbols of a model whose shares are `own`, in shared memory.
+__device__ void putBytes(WarpWriter& writer, const AnsWriterShare* own, const uint8_t* symbols, uint32_t size) {
+  fromTheEnd(
+      symbols, size, [&](uint32_t symbol) { return own[symbol]; }, [&](const AnsWriterShare& share, bool isActive) { writer.put(share, isActive); });
+}
+
+/// The same of numbers. `takesBits`: their tokens do.
+__device__ void putNumbers(WarpWriter& writer, const AnsWriterShare* own, const uint32_t* numbers, uint32_t size, bool takesBits) {
+  struct Ready {
+    AnsWriterShare share;
+    uint32_t number, rest;  // bits of it that the token does not say
+    bool hasRests;          // some lane's
+  };
+  fromTheEnd(
+      numbers, size,
+      [&](uint32_t number) {
+        const uint32_t token = tokenOf(number), rest = restBits(token);
+        return Ready{own[token], number, rest, __any_sync(kAllLanes, rest > 0) != 0};
+      },
+      [&](const Ready& ready, bool isActive) {
+        if (ready.hasRests) {
+          const uint32_t first = min(ready.rest, kAnsRestBits);
+          if (__any_sync(kAllLanes, ready.rest > first)) writer.putBits(ready.number >> kAnsRestBits, ready.rest - first);
+          writer.putBits(ready.number, first);
+        }
+        if (takesBits) writer.put(ready.share, isActive);
+      });
 }
 
 /// A warp for each stream. Words go to the end of the stream's room.
-__global__ void __launch_bounds__(32) writeStreams(SheetView view, const WriterShare* shares, uint16_t* words, uint32_t* wordCounts, uint32_t* states, uint32_t* lengths) {
-  __shared__ WriterShare own[kAnsSymbols];
+__global__ void __launch_bounds__(32) writeStreams(SheetView view, const AnsWriterShare* shares, uint16_t* words, uint32_t* wordCounts, uint32_t* states, uint32_t* lengths) {
+  __shared__ AnsWriterShare own[kAnsSymbols];
+  constexpr uint32_t kOwn = kAnsSymbols / 32;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, lane = threadIdx.x;
   if (lane == 0) lengths[stream] = 0;
   if (layer >= view.streams[tile]) return;
   const uint32_t size = view.sizeOf(stream);
-  uint16_t* const end = words + endOfRoom(view, stream);
-  WarpWriter writer(end);
-  const auto begin = [&](uint32_t model) {
+  WarpWriter writer(words + endOfRoom(view, stream));
+  // Shapes, numbers, bytes: from the end to the front. What is known of the next one's model is loaded meanwhile.
+  const uint32_t parts = view.form.shapes + view.form.planes(), front = layer > 0 ? view.form.shapes : 0;
+  AnsWriterShare next[kOwn];
+  const auto load = [&](uint32_t part) {
+    const AnsWriterShare* const from = shares + size_t{part < view.form.shapes ? part : view.modelOf(layer, part - view.form.shapes)} * kAnsSymbols + lane;
+#pragma unroll
+    for (uint32_t k = 0; k < kOwn; ++k) next[k] = from[k * 32];
+  };
+  load(parts - 1);
+  for (uint32_t part = parts; part-- > front;) {
     bool hasAll = false;
     __syncwarp();
-    for (uint32_t s = lane; s < kAnsSymbols; s += 32) {
-      own[s] = shares[model * kAnsSymbols + s];
-      hasAll |= own[s].share.frequency == kAnsScale;
+#pragma unroll
+    for (uint32_t k = 0; k < kOwn; ++k) {
+      own[k * 32 + lane] = next[k];
+      hasAll |= next[k].frequency() == kAnsScale;
     }
     __syncwarp();
-    return !__any_sync(kAllLanes, hasAll);  // the only symbol takes no bits
-  };
-  const auto putBytes = [&](uint32_t model, const uint8_t* symbols, uint32_t count) {
-    if (count == 0 || !begin(model)) return;
-    fromTheEnd(symbols, count, [&](uint32_t symbol, bool isActive) { writer.put(own[symbol], isActive); });
-  };
-  for (uint32_t plane = view.form.bytes; plane-- > 0;) putBytes(view.modelOf(layer, view.form.numbers + plane), view.byte(plane, stream), size);
-  for (uint32_t plane = view.form.numbers; plane-- > 0 && size > 0;) {
-    const bool takesBits = begin(view.modelOf(layer, plane));
-    fromTheEnd(view.number(plane, stream), size, [&](uint32_t number, bool isActive) {
-      const uint32_t token = tokenOf(number);
-      if (__any_sync(kAllLanes, token >= kDirectTokens)) {
-        const uint32_t rest = restBits(token), first = min(rest, kAnsRestBits);
-        if (__any_sync(kAllLanes, rest > first)) writer.putBits(number >> kAnsRestBits, rest - first);
-        writer.putBits(number, first);
-      }
-      if (takesBits) writer.put(own[token], isActive);
-    });
+    const bool takesBits = !__any_sync(kAllLanes, hasAll);  // the only symbol takes none
+    if (part > front) load(part - 1);
+    const uint32_t plane = part - view.form.shapes;
+    if (part < view.form.shapes) {
+      if (takesBits) putBytes(writer, own, view.shape(part, tile), view.shapeSize(part, tile));
+    } else if (plane < view.form.numbers) {
+      putNumbers(writer, own, view.number(plane, stream), size, takesBits);
+    } else if (takesBits) {
+      putBytes(writer, own, view.byte(plane - view.form.numbers, stream), size);
+    }
   }
-  if (layer == 0)
-    for (uint32_t shape = view.form.shapes; shape-- > 0;) putBytes(shape, view.shape(shape, tile), view.shapeSize(shape, tile));
   states[stream * 32 + lane] = writer.state();
-  const bool isEmpty = writer.begin() == end && __all_sync(kAllLanes, writer.state() == kAnsLow);
+  const bool isEmpty = writer.count() == 0 && __all_sync(kAllLanes, writer.state() == kAnsLow);
   if (lane != 0) return;
-  wordCounts[stream] = static_cast<uint32_t>(end - writer.begin());
-  lengths[stream] = isEmpty ? 0 : static_cast<uint32_t>(kAnsStateBytes + 2 * (end - writer.begin()));
+  wordCounts[stream] = writer.count();
+  lengths[stream] = isEmpty ? 0 : static_cast<uint32_t>(kAnsStateBytes + 2 * writer.count());
 }
 
 /// What the host is told before streams, one behind the other: frequencies of models, lengths of streams, how many bytes they have in all, layers that there are, and
@@ -225,7 +261,7 @@ struct SheetHeads {
 __global__ void __launch_bounds__(kSumThreads) tellHeads(SheetHeads heads, const uint16_t* frequencies, const uint32_t* lengths, uint32_t* offsets, const uint32_t* layers,
                                                         const uint8_t* streamsOfTiles, std::byte* told) {
   BlockSums<kSumThreads> sums;
-  sums.ofArray(lengths, offsets, heads.streams);
+  sums.ofArray<4>(lengths, offsets, heads.streams);
   const auto tell = [&](const auto* from, size_t at, uint32_t count) {
     auto* const to = reinterpret_cast<std::remove_cvref_t<decltype(*from)>*>(told + at);
     for (uint32_t i = threadIdx.x; i < count; i += kSumThreads) to[i] = from[i];
@@ -263,7 +299,7 @@ __global__ void sumWords(const uint32_t* first, uint32_t skipped, SummedWords wo
 
 }  // namespace
 
-DeviceSheet::DeviceSheet(cudaStream_t stream) : stream_(stream), host_(TransferAllocator<std::byte>(cuda::pinnedMemory())) {}
+DeviceSheet::DeviceSheet(cudaStream_t stream, cudaStream_t beside) : stream_(stream), beside_(beside), host_(TransferAllocator<std::byte>(cuda::pinnedMemory())) {}
 
 const SheetView& DeviceSheet::begin(const TileGrid& grid, const SheetForm& form, uint32_t layers, bool hasMasks) {
   const size_t pixels = size_t{grid.width} * grid.height, tiles = grid.count();
@@ -300,7 +336,7 @@ const SheetView& DeviceSheet::reserveValues(uint32_t values) {
 }
 
 void DeviceSheet::count() {
-  countTiles<<<view_.tiles(), kCodedTileWidth, 0, stream_>>>(view_, view_.flags + 1);
+  countTiles<<<view_.tiles(), kCountingThreads, 0, stream_>>>(view_, view_.flags + 1);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   findBegins<<<2, kSumThreads, 0, stream_>>>(view_.begins, view_.tiles() * view_.layers, view_.rowBegins, view_.grid.height * view_.grid.columns());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -314,9 +350,16 @@ void DeviceSheet::makeMasks() {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-void DeviceSheet::write() {
+const SheetView& DeviceSheet::clearHistograms() {
+  const size_t symbols = size_t{view_.models()} * kAnsSymbols;
+  histograms_.reserve(symbols);
+  view_.histograms = histograms_.data();
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(histograms_.data(), 0, symbols * sizeof(uint32_t), stream_));
+  return view_;
+}
+
+void DeviceSheet::write(uint32_t counted) {
   const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
-  histograms_.reserve(size_t{models} * kAnsSymbols);
   frequencies_.reserve(size_t{models} * kAnsSymbols);
   shares_.reserve(size_t{models} * kAnsSymbols);
   states_.reserve(size_t{streams} * kAnsLanes);
@@ -326,8 +369,8 @@ void DeviceSheet::write() {
   const size_t room = size_t{view_.values} * valueWords(view_.form) + size_t{view_.tiles()} * shapeWords(view_.form) + size_t{streams} * 2;
   words_.reserve(room);
   packed_.reserve(room + size_t{streams} * 2 * kAnsLanes + 2);  // words that are summed are looked at four bytes at once
-  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(histograms_.data(), 0, size_t{models} * kAnsSymbols * sizeof(uint32_t), stream_));
-  countSymbols<<<dim3(streams, view_.form.shapes + view_.form.planes()), kAnsSymbols, 0, stream_>>>(view_, histograms_.data());
+  const uint32_t uncounted = view_.form.shapes + view_.form.planes() - static_cast<uint32_t>(std::popcount(counted));  // shapes are some
+  countSymbols<<<dim3(streams, uncounted), kAnsSymbols, 0, stream_>>>(view_, counted << view_.form.shapes);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   scaleModels<<<models, kAnsSymbols, 0, stream_>>>(histograms_.data(), frequencies_.data(), shares_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -341,6 +384,7 @@ void DeviceSheet::write() {
   told_.record(stream_);
   gatherStreams<<<streams, 256, 0, stream_>>>(view_, words_.data(), wordCounts_.data(), states_.data(), lengths_.data(), offsets_.data(), packed_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
+  gathered_.record(stream_);
 }
 
 SummedWords DeviceSheet::append(ByteVector& out) {
@@ -366,15 +410,17 @@ SummedWords DeviceSheet::append(ByteVector& out) {
   const size_t at = out.size();
   SummedWords summed = SummedWords::within(at, packedBytes);
   out.resize(at + packedBytes);
-  sum_.clear(stream_);
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(out.data() + at, packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
+  gathered_.holdUp(beside_);
+  sum_.clear(beside_);
   if (summed.count() > 0) {
     constexpr unsigned kMostBlocks = 512, kThreads = 256;
-    sumWords<<<std::min(kMostBlocks, cuda::blocksFor(summed.count(), kThreads)), kThreads, 0, stream_>>>(
+    sumWords<<<std::min(kMostBlocks, cuda::blocksFor(summed.count(), kThreads)), kThreads, 0, beside_>>>(
         reinterpret_cast<const uint32_t*>(packed_.data()), static_cast<uint32_t>(summed.firstByte() - at), summed, sum_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
-  sum_.fetch(stream_);
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(out.data() + at, packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
+  sum_.fetch(beside_);
+  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(beside_));
   WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
   summed.sum = sum_.onHost();
   return summed;

@@ -34,6 +34,7 @@ struct SheetView {
   uint32_t* numbers = nullptr;      ///< planes of `values`
   uint8_t* bytes = nullptr;         ///< likewise
   uint32_t* flags = nullptr;        ///< SheetFlag
+  uint32_t* histograms = nullptr;   ///< of what is written: how often each model has each symbol
 
   WARPSCOPE_HD uint32_t tiles() const { return grid.count(); }
   WARPSCOPE_HD uint32_t sizeOf(uint32_t stream) const { return begins[stream + 1] - begins[stream]; }
@@ -58,14 +59,6 @@ struct StreamRead {
   uint32_t offset = 0, length = 0;
 };
 
-/// A symbol's share and the reciprocal of its frequency.
-struct WriterShare {
-  AnsShare share;
-  uint32_t reciprocal = 0;
-
-  WARPSCOPE_HD static WriterShare of(const AnsShare& share) { return {share, ansReciprocal(share.frequency)}; }
-};
-
 /// What a lane knows of a stream while it is read: kept between kernels.
 struct LaneState {
   uint32_t state = kAnsLow;
@@ -85,10 +78,10 @@ struct SheetReport {
   uint32_t flags = 0;   ///< SheetFlag
 };
 
-/// One picture at a time; keeps its buffers. All work is put into the stream that it was made with.
+/// One picture at a time; keeps its buffers. All work is put into the stream that it was made with, but for what may be done `beside` it.
 class DeviceSheet {
  public:
-  explicit DeviceSheet(cudaStream_t stream);
+  DeviceSheet(cudaStream_t stream, cudaStream_t beside);
 
   /// Makes room. Counts are zeros where there are masks, else to be filled; nothing is known of streams.
   const SheetView& begin(const TileGrid& grid, const SheetForm& form, uint32_t layers, bool hasMasks);
@@ -99,10 +92,12 @@ class DeviceSheet {
   /// Finds where streams and rows begin, from counts.
   void count();
 
+  /// Begins to write: nothing is counted of symbols.
+  const SheetView& clearHistograms();
   /// From masks as counts are (and how many further layers there are, where there are two shapes). For rays their bytes are the shapes' already, as are `streams`.
   void makeMasks();
-  /// Makes bytes of the sheet, whose planes and shapes are there.
-  void write();
+  /// Makes bytes of the sheet, whose planes and shapes are there. `counted`: planes, a bit each, numbers before bytes, whose symbols whoever made them has counted.
+  void write(uint32_t counted);
   /// Appends them to a payload. Waits.
   SummedWords append(ByteVector& out);
 
@@ -118,17 +113,19 @@ class DeviceSheet {
   SheetReport report();
 
  private:
-  cudaStream_t stream_;
+  cudaStream_t stream_, beside_;
   SheetView view_;
   cuda::DeviceBuffer<uint8_t> counts_, streams_, shapes_[2], bytes_;
   cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, rowRanks_, numbers_, flags_, histograms_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
   cuda::DeviceBuffer<uint16_t> frequencies_, words_, packed_;
-  cuda::DeviceBuffer<WriterShare> shares_;
+  cuda::DeviceBuffer<int> kinds_;  ///< of models that are read
+  cuda::DeviceBuffer<AnsWriterShare> shares_;
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;
   cuda::PinnedValue<SheetReport> report_;
   DeviceSum sum_;  ///< of words that are appended
   cuda::Event told_;  ///< heads of what is written are in host_
+  cuda::Event gathered_;  ///< its streams are one behind the other
   TransferVector<std::byte> host_;  // page-locked
 };
 

@@ -14,14 +14,19 @@
 namespace warpscope {
 namespace {
 
-/// A block for each model: what a reader finds at each slot.
-__global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequencies, uint32_t* slots) {
+constexpr int kUsualModel = -1, kEmptyModel = -2;  // else a model has one symbol alone
+
+/// A block for each model: what a reader finds at each slot, and what model it is.
+__global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequencies, uint32_t* slots, int* kinds) {
   __shared__ uint32_t starts[kAnsSymbols + 1];
   BlockSums<kAnsSymbols> sums;
   uint32_t total;
-  starts[threadIdx.x] = sums.before(frequencies[blockIdx.x * kAnsSymbols + threadIdx.x], total);
+  const uint32_t own = frequencies[blockIdx.x * kAnsSymbols + threadIdx.x];
+  starts[threadIdx.x] = sums.before(own, total);
   starts[kAnsSymbols] = total;
+  if (threadIdx.x == 0) kinds[blockIdx.x] = total > 0 ? kUsualModel : kEmptyModel;
   __syncthreads();
+  if (own == kAnsScale) kinds[blockIdx.x] = static_cast<int>(threadIdx.x);
   if (starts[kAnsSymbols] != kAnsScale) return;
   for (uint32_t slot = threadIdx.x; slot < kAnsScale; slot += blockDim.x) {
     uint32_t low = 0, high = kAnsSymbols;  // the symbol is in [low, high)
@@ -33,39 +38,39 @@ __global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequen
   }
 }
 
-/// What models are for a reader of streams. Reads what has one symbol alone without a stream.
+/// Streams of as many neighbouring tiles are read by the warps of a block: they share a model's slots, of which there are 16 KiB.
+constexpr uint32_t kTilesOfBlock = 4;
+constexpr unsigned kReadingThreads = 32 * kTilesOfBlock;
+
+/// What models are for readers of streams. All threads of a block go through the same models together.
 struct ReaderModels {
   const uint32_t* slots;
-  const uint16_t* frequencies;
-  uint32_t* own = nullptr;  ///< kAnsScale places in shared memory
+  const int* kinds;
+};
 
-  /// The symbol that has all, or -1.
-  __device__ int constant(uint32_t model) const {
-    for (uint32_t s = threadIdx.x % 32; __any_sync(kAllLanes, s < kAnsSymbols); s += 32) {
-      const uint32_t having = __ballot_sync(kAllLanes, frequencies[model * kAnsSymbols + s] == kAnsScale);
-      if (having != 0) return static_cast<int>(s - threadIdx.x % 32 + __ffs(static_cast<int>(having)) - 1);
-    }
-    return -1;
-  }
-  __device__ bool isEmpty(uint32_t model) const {
-    uint32_t any = 0;
-    for (uint32_t s = threadIdx.x % 32; s < kAnsSymbols; s += 32) any |= frequencies[model * kAnsSymbols + s];
-    return !__any_sync(kAllLanes, any != 0);
+class BlockModels {
+ public:
+  /// `own`: kAnsScale places in shared memory. Looks ahead to the first.
+  __device__ BlockModels(const ReaderModels& models, uint32_t* own, uint32_t first) : models_(models), own_(own) { look(first); }
+
+  /// Goes on to the model that was looked at last, and looks at `next`.
+  __device__ void goOn(uint32_t next) {
+    kind_ = nextKind_;
+    __syncthreads();  // nobody reads the one before any more
+    if (kind_ == kUsualModel)
+#pragma unroll
+      for (uint32_t k = 0; k < kOwn; ++k) reinterpret_cast<uint4*>(own_)[k * kReadingThreads + threadIdx.x] = next_[k];
+    __syncthreads();
+    look(next);
   }
 
+  /// Symbols of the model, by a warp. What has one symbol alone is read without a stream.
   template <class T>
-  __device__ void take(WarpReader& reader, uint32_t model, T* symbols, uint32_t size) const {
+  __device__ void take(WarpReader& reader, T* symbols, uint32_t size) const {
     if (size == 0) return;
-    const int only = constant(model);
-    if (only < 0 && !isEmpty(model) && reader.hasStream()) {
-      __syncwarp();
-      const auto* const from = reinterpret_cast<const uint4*>(slots + size_t{model} * kAnsScale);
-      for (uint32_t i = threadIdx.x % 32; i < kAnsScale / 4; i += 32) reinterpret_cast<uint4*>(own)[i] = from[i];
-      __syncwarp();
-      return reader.take(own, symbols, size);
-    }
-    const uint32_t token = only < 0 ? 0 : static_cast<uint32_t>(only);
-    if (only < 0) reader.blame();
+    if (kind_ == kUsualModel && reader.hasStream()) return reader.take(own_, symbols, size);
+    const uint32_t token = kind_ < 0 ? 0 : static_cast<uint32_t>(kind_);
+    if (kind_ < 0) reader.blame();
     if constexpr (sizeof(T) > 1)
       if (restBits(token) > 0) {
         if (reader.hasStream()) return reader.takeRests(token, symbols, size);
@@ -73,11 +78,27 @@ struct ReaderModels {
       }
     for (uint32_t i = threadIdx.x % 32; i < size; i += 32) symbols[i] = static_cast<T>(token);
   }
+
+ private:
+  static constexpr uint32_t kOwn = kAnsScale / 4 / kReadingThreads;
+
+  __device__ void look(uint32_t model) {
+    nextKind_ = models_.kinds[model];
+    if (nextKind_ != kUsualModel) return;
+    const auto* const from = reinterpret_cast<const uint4*>(models_.slots + size_t{model} * kAnsScale) + threadIdx.x;
+#pragma unroll
+    for (uint32_t k = 0; k < kOwn; ++k) next_[k] = from[k * kReadingThreads];
+  }
+
+  const ReaderModels models_;
+  uint32_t* const own_;
+  uint4 next_[kOwn];
+  int kind_ = kEmptyModel, nextKind_ = kEmptyModel;
 };
 
 /// Undoes what masks were changed by. False if they cover pixels outside. Counts become 1 or 0; `covered`: how many pixels are.
 __device__ bool takeMask(const SheetView& view, const TileRect& rect, uint8_t* shape, uint32_t& covered) {
-  const uint32_t lane = threadIdx.x, rowBytes = rect.maskRowBytes();
+  const uint32_t lane = threadIdx.x % 32, rowBytes = rect.maskRowBytes();
   uint32_t bits = 0, outside = 0;
   covered = 0;
   for (uint32_t y = 0; y < rect.height && lane < rowBytes; ++y) {
@@ -95,85 +116,119 @@ __device__ bool takeMask(const SheetView& view, const TileRect& rect, uint8_t* s
   return !__any_sync(kAllLanes, outside != 0);
 }
 
-/// Rays' bytes, and counts. Returns whether any is not 0.
-__device__ void takeRays(const SheetView& view, const TileRect& rect, const uint8_t* shape, uint8_t* rays) {
-  const uint32_t y = threadIdx.x;
-  uint32_t bits = prefixXor(y < rect.height ? shape[y * rect.width] : 0);
-  for (uint32_t x = 0; x < rect.width && y < rect.height; ++x) {
-    if (x > 0) bits ^= shape[y * rect.width + x];
-    if ((bits & kUnusedRayBits) != 0) atomicOr(view.flags, kDamagedShapes);
-    rays[view.pixel(rect, x, y)] = static_cast<uint8_t>(bits);
-    view.counts[view.pixel(rect, x, y)] = static_cast<uint8_t>(RaySegmentCount::ofBits(static_cast<uint8_t>(bits)).count());
+/// Rays' bytes, and counts. Returns the largest of those. False in `isGood` where a byte is none of a ray.
+__device__ uint32_t takeRays(const SheetView& view, const TileRect& rect, const uint8_t* shape, uint8_t* rays, bool& isGood) {
+  constexpr uint32_t kRows = 4;  // at once, a byte each
+  const uint32_t lane = threadIdx.x % 32;
+  const uint32_t down = prefixXor(lane < rect.height ? shape[lane * rect.width] : 0);  // the first of row `lane`
+  uint32_t deepest = 0, all = 0;
+  for (uint32_t y = 0; y < rect.height; y += kRows) {
+    uint32_t before = 0;
+    for (uint32_t k = 0; k < kRows; ++k) before |= __shfl_sync(kAllLanes, down, (y + k) % 32) << 8 * k;
+    for (uint32_t begin = 0; begin < rect.width; begin += 32) {
+      const uint32_t x = begin + lane;
+      uint32_t changes = 0;
+      for (uint32_t k = 0; k < kRows; ++k)
+        if (x > 0 && x < rect.width && y + k < rect.height) changes |= static_cast<uint32_t>(shape[(y + k) * rect.width + x]) << 8 * k;
+      const uint32_t bits = before ^ prefixXor(changes);
+      before = __shfl_sync(kAllLanes, bits, 31);
+      for (uint32_t k = 0; k < kRows; ++k) {
+        if (x >= rect.width || y + k >= rect.height) continue;
+        const auto own = static_cast<uint8_t>(bits >> 8 * k);
+        const auto count = static_cast<uint32_t>(RaySegmentCount::ofBits(own).count());
+        rays[view.pixel(rect, x, y + k)] = own;
+        view.counts[view.pixel(rect, x, y + k)] = static_cast<uint8_t>(count);
+        deepest = max(deepest, count);
+        all |= own;
+      }
+    }
   }
+  isGood = !__any_sync(kAllLanes, (all & kUnusedRayBits) != 0);
+  return __reduce_max_sync(kAllLanes, deepest);
 }
 
 /// A warp for each tile. `states`: where its first stream goes on.
-__global__ void __launch_bounds__(32) readShapes(SheetView view, ReaderModels models, const StreamRead* reads, const uint16_t* packed, uint32_t most, uint8_t* rays,
-                                                 LaneState* states, uint32_t* badStreams) {
+__global__ void __launch_bounds__(kReadingThreads) readShapes(SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, uint32_t most, uint8_t* rays,
+                                                              LaneState* states, uint32_t* badStreams) {
   __shared__ __align__(16) uint32_t slots[kAnsScale];
-  models.own = slots;
-  const uint32_t tile = blockIdx.x, lane = threadIdx.x, streams = view.streams[tile];
-  const TileRect rect = view.grid.at(tile);
-  uint8_t* const shape = view.shape(0, tile);
-  const uint32_t size = view.shapeSize(0, tile);
-  const StreamRead read = reads[tile * view.layers];
-  WarpReader reader(packed + read.offset / 2, streams > 0 ? read.length : 0);
+  BlockModels models(all, slots, 0);
+  const bool hasFurther = view.hasMasks && view.form.shapes > 1;
+  models.goOn(hasFurther ? 1 : 0);
+  const uint32_t tile = blockIdx.x * kTilesOfBlock + threadIdx.x / 32, lane = threadIdx.x % 32;
+  const bool isInside = tile < view.tiles();
+  const uint32_t streams = isInside ? view.streams[tile] : 0;
+  const TileRect rect = view.grid.at(isInside ? tile : 0);
+  uint8_t* const shape = view.shape(0, isInside ? tile : 0);
+  const StreamRead read = streams > 0 ? reads[tile * view.layers] : StreamRead{};
+  WarpReader reader(packed + read.offset / 2, read.length);
+  const uint32_t size = isInside ? view.shapeSize(0, tile) : 0;
   if (streams > 0)
-    models.take(reader, 0, shape, size);
+    models.take(reader, shape, size);
   else
     for (uint32_t i = lane; i < size; i += 32) shape[i] = 0;
   __syncwarp();
   bool isGood = true;
-  if (view.hasMasks) {
-    uint32_t covered = 0;
+  uint32_t deepest = 0, covered = 0;
+  if (isInside && view.hasMasks) {
     isGood = takeMask(view, rect, shape, covered);
+    deepest = covered > 0 ? 1 : 0;
+  } else if (isInside) {
+    deepest = takeRays(view, rect, shape, rays, isGood);
+  }
+  if (hasFurther) {
+    models.goOn(0);
     __syncwarp();
-    if (view.form.shapes > 1 && streams > 0) {
+    if (isInside && streams > 0) {
       uint8_t* const further = view.shape(1, tile);
-      models.take(reader, 1, further, covered);
+      models.take(reader, further, covered);
       __syncwarp();
       uint32_t last = 0;
       forCovered(view, rect, [&](size_t pixel, bool isCovered, uint32_t, uint32_t rank) {
         const uint32_t own = last ^ prefixXor(isCovered ? further[rank] : 0);
-        if (isCovered) view.counts[pixel] = static_cast<uint8_t>(own < most ? 1 + own : 255);
+        const uint32_t count = own < most ? 1 + own : 255;
+        if (isCovered) {
+          view.counts[pixel] = static_cast<uint8_t>(count);
+          deepest = max(deepest, count);
+        }
         last = __shfl_sync(kAllLanes, own, 31);
       });
+      deepest = __reduce_max_sync(kAllLanes, deepest);
     }
-  } else {
-    takeRays(view, rect, shape, rays);
   }
-  __syncwarp();
-  uint32_t deepest = 0;
-  for (uint32_t i = lane; i < rect.pixels(); i += 32) deepest = max(deepest, static_cast<uint32_t>(view.counts[view.pixel(rect, i % rect.width, i / rect.width)]));
-  deepest = __reduce_max_sync(kAllLanes, deepest);
+  if (!isInside) return;
   // A tile of rays without segments that ended has a stream and no layers.
   const uint32_t wanted = !view.hasMasks && streams == 1 ? max(deepest, 1u) : deepest;
   isGood = isGood && deepest <= most && streams == wanted;
   if (lane == 0 && !isGood) atomicOr(view.flags, kDamagedShapes);
   states[tile * 32 + lane] = reader.state();
-  const bool isBad = reader.isBad();
-  if (lane == 0) badStreams[tile] = 0;
-  __syncwarp();
-  if (isBad) badStreams[tile] = 1;
+  const bool isBad = __any_sync(kAllLanes, reader.isBad()) != 0;
+  if (lane == 0) badStreams[tile] = isBad ? 1 : 0;
 }
 
-/// A warp for each stream.
-__global__ void __launch_bounds__(32) readPlanes(SheetView view, ReaderModels models, const StreamRead* reads, const uint16_t* packed, const LaneState* states,
-                                                 const uint32_t* badStreams) {
+/// A warp for each stream. Blocks of the layer in front, whose streams are the longest, come first.
+__global__ void __launch_bounds__(kReadingThreads) readPlanes(SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, const LaneState* states,
+                                                              const uint32_t* badStreams) {
   __shared__ __align__(16) uint32_t slots[kAnsScale];
-  models.own = slots;
-  const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
-  if (layer >= view.streams[tile] || !view.isFull() || (*view.flags & kDamagedShapes) != 0) return;
-  const StreamRead read = reads[stream];
+  if (!view.isFull() || (*view.flags & kDamagedShapes) != 0) return;
+  const uint32_t layer = blockIdx.y, tile = blockIdx.x * kTilesOfBlock + threadIdx.x / 32;
+  const bool isThere = tile < view.tiles() && layer < view.streams[tile];
+  if (__syncthreads_or(isThere) == 0) return;
+  const uint32_t stream = isThere ? tile * view.layers + layer : 0, size = isThere ? view.sizeOf(stream) : 0;
+  const StreamRead read = isThere ? reads[stream] : StreamRead{};
   WarpReader reader(packed + read.offset / 2, read.length);
-  if (layer == 0) {
-    reader.goOnAt(states[tile * 32 + threadIdx.x]);
+  if (isThere && layer == 0) {
+    reader.goOnAt(states[tile * 32 + threadIdx.x % 32]);
     if (badStreams[tile] != 0) reader.blame();
   }
-  const uint32_t size = view.sizeOf(stream);
-  for (uint32_t plane = 0; plane < view.form.numbers; ++plane) models.take(reader, view.modelOf(layer, plane), view.number(plane, stream), size);
-  for (uint32_t plane = 0; plane < view.form.bytes; ++plane) models.take(reader, view.modelOf(layer, view.form.numbers + plane), view.byte(plane, stream), size);
-  if (!reader.isSound() && threadIdx.x == 0) atomicOr(view.flags, kDamagedStreams);
+  BlockModels models(all, slots, view.modelOf(layer, 0));
+  for (uint32_t plane = 0; plane < view.form.planes(); ++plane) {
+    models.goOn(view.modelOf(layer, min(plane + 1, view.form.planes() - 1)));
+    if (plane < view.form.numbers)
+      models.take(reader, view.number(plane, stream), size);
+    else
+      models.take(reader, view.byte(plane - view.form.numbers, stream), size);
+  }
+  if (isThere && !reader.isSound() && threadIdx.x % 32 == 0) atomicOr(view.flags, kDamagedStreams);
 }
 
 }  // namespace
@@ -208,6 +263,7 @@ bool DeviceSheet::upload(const SheetHead& head) {
   });
   frequencies_.reserve(models * kAnsSymbols);
   slots_.reserve(models * kAnsScale);
+  kinds_.reserve(models);
   reads_.reserve(streams);
   packed_.reserve(bytes / 2 + 1);
   laneStates_.reserve(size_t{tiles} * kAnsLanes);
@@ -219,18 +275,18 @@ bool DeviceSheet::upload(const SheetHead& head) {
   put(reads_.data(), reads, readBytes);
   put(streams_.data(), ofTiles, tiles);
   put(packed_.data(), packed, bytes);
-  findSlots<<<static_cast<unsigned>(models), kAnsSymbols, 0, stream_>>>(frequencies_.data(), slots_.data());
+  findSlots<<<static_cast<unsigned>(models), kAnsSymbols, 0, stream_>>>(frequencies_.data(), slots_.data(), kinds_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   return true;
 }
 
 void DeviceSheet::takeShapes(uint32_t most, uint8_t* rays) {
-  readShapes<<<view_.tiles(), 32, 0, stream_>>>(view_, {slots_.data(), frequencies_.data()}, reads_.data(), packed_.data(), most, rays, laneStates_.data(), bad_.data());
+  readShapes<<<cuda::blocksFor(view_.tiles(), kTilesOfBlock), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data()}, reads_.data(), packed_.data(), most, rays, laneStates_.data(), bad_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
 void DeviceSheet::takePlanes() {
-  readPlanes<<<view_.tiles() * view_.layers, 32, 0, stream_>>>(view_, {slots_.data(), frequencies_.data()}, reads_.data(), packed_.data(), laneStates_.data(), bad_.data());
+  readPlanes<<<dim3(cuda::blocksFor(view_.tiles(), kTilesOfBlock), view_.layers), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data()}, reads_.data(), packed_.data(), laneStates_.data(), bad_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -1,8 +1,9 @@
-// One word of a value at a time: warps that go through the same tile for others do not wait for one another.
+// Writing, all values of a tile at once. Reading, one word of a value at a time: warps that go through the same tile for others do not wait for one another.
 // See tile_fronts.h.
 #include "render/codec/tiled/tile_fronts.h"
 
 #include "render/codec/band_layout.h"
+#include "render/codec/tiled/symbol_counts.cuh"
 #include "render/codec/tokens.h"
 #include "render/cuda/warp_reduce.cuh"
 #include "render/march/pixel_places.h"
@@ -12,7 +13,6 @@ namespace {
 
 static_assert(kCodedTileHeight == 32, "a row is a thread of a warp");
 constexpr unsigned kThreads = 128;
-constexpr uint32_t kMaskWords = kCodedTileWidth / 32;
 
 struct FrontNeighbors {
   uint32_t west, north, northWest;
@@ -70,15 +70,134 @@ struct ChannelRule {
   }
 };
 
-/// Makes differences of values (numbers in fine units), or values of differences, in place. `masks`: what the layer covers, kMaskWords a row; `first`: of the calling thread's row
-/// among the words. `origins`: of values that are read.
-template <bool kReads, class Rule>
-__device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint32_t first, uint32_t* words, const int32_t* origins, const Rule& rule) {
+/// Which pixels of a tile have something in one layer. In shared memory.
+struct LayerMasks {
+  uint64_t rows[kCodedTileHeight];
+  uint32_t firsts[kCodedTileHeight];  ///< how many are in rows above
+
+  /// By all threads of a block.
+  __device__ void fill(const SheetView& view, const TileRect& rect, uint32_t stream, uint32_t layer) {
+    static_assert(kCodedTileWidth == 64, "a row is a word");
+    const uint32_t lane = threadIdx.x % 32;
+    for (uint32_t y = threadIdx.x / 32; y < kCodedTileHeight; y += blockDim.x / 32) {
+      const auto covered = [&](uint32_t x) { return __ballot_sync(kAllLanes, x < rect.width && y < rect.height && view.counts[view.pixel(rect, x, y)] > layer); };
+      const uint64_t left = covered(lane), right = covered(32 + lane);
+      if (lane > 0) continue;
+      rows[y] = left | right << 32;
+      firsts[y] = view.rowRanks[stream * kCodedTileHeight + y];
+    }
+  }
+  __device__ bool has(uint32_t x, uint32_t y) const { return (rows[y] >> x & 1) != 0; }
+  /// How many are before the pixel.
+  __device__ uint32_t rank(uint32_t x, uint32_t y) const { return firsts[y] + countBelow(x, y); }
+  __device__ uint32_t countBelow(uint32_t x, uint32_t y) const { return static_cast<uint32_t>(__popcll(x < 64 ? rows[y] & ((uint64_t{1} << x) - 1) : rows[y])); }
+};
+
+constexpr uint32_t kNoFront = ~0u;
+
+/// Values that one is predicted from, by their places in the stream.
+struct FrontPlaces {
+  uint32_t west = kNoFront, north = kNoFront, northWest = kNoFront;
+};
+
+/// Of value `i`, at a pixel of the tile: as tile_layer.h. kNoFront: there is none in front.
+__device__ FrontPlaces frontPlaces(const LayerMasks& masks, uint32_t i, uint32_t x, uint32_t y) {
+  FrontPlaces places;
+  if (x > 0 && masks.has(x - 1, y)) places.west = i - 1;
+  if (y > 0) {
+    const uint32_t above = masks.rank(x, y - 1);
+    if (masks.has(x, y - 1)) places.north = above;
+    if (x > 0 && masks.has(x - 1, y - 1)) places.northWest = above - 1;
+  }
+  if (places.west == kNoFront) places.west = places.north;
+  if (places.west == kNoFront) {
+    if (i > masks.firsts[y]) {
+      places.west = i - 1;
+    } else {
+      for (uint32_t up = 1; up <= y && places.west == kNoFront; ++up)
+        if (const uint32_t before = masks.countBelow(x + up + 1, y - up); before > 0) places.west = masks.firsts[y - up] + before - 1;
+    }
+  }
+  if (places.north == kNoFront) places.north = places.west;
+  if (places.northWest == kNoFront) places.northWest = places.north;
+  return places;
+}
+
+/// A block for each stream: differences of all jobs' values, as planes, and how often which symbols occur. What neighbours are is known before any of them.
+__global__ void __launch_bounds__(kThreads) putDifferences(SheetView view, FrontJobs jobs) {
+  __shared__ uint32_t words[kCodedTilePixels];
+  __shared__ uint16_t pixels[kCodedTilePixels];  // of each value
+  __shared__ uint32_t counts[4][kAnsSymbols];
+  __shared__ LayerMasks masks;
+  const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
+  if (size == 0) return;
+  masks.fill(view, view.grid.at(tile), stream, layer);
+  for (uint32_t i = threadIdx.x; i < 4 * kAnsSymbols; i += kThreads) counts[i / kAnsSymbols][i % kAnsSymbols] = 0;
+  __syncthreads();
+  for (uint32_t place = threadIdx.x; place < kCodedTilePixels; place += kThreads) {
+    const uint32_t x = place % kCodedTileWidth, y = place / kCodedTileWidth;
+    if (masks.has(x, y)) pixels[masks.rank(x, y)] = static_cast<uint16_t>(place);
+  }
+  for (uint32_t number = 0; number < jobs.count; ++number) {
+    const FrontJob job = jobs.jobs[number];
+    const bool hasOrigins = job.hasOrigins(layer);
+    const int bits = hasOrigins ? jobs.bits : 0;
+    for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
+      const uint32_t value = job.values[begin + i];
+      words[i] = hasOrigins ? static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(value), jobs.origins[begin + i], bits)) : value;
+    }
+    __syncthreads();
+    const auto put = [&](const auto& rule, const auto& store) {
+      for (uint32_t first = 0; first < size; first += kThreads) {
+        const uint32_t i = first + threadIdx.x;
+        uint32_t difference = 0;
+        if (i < size) {
+          const FrontPlaces places = frontPlaces(masks, i, pixels[i] % kCodedTileWidth, pixels[i] / kCodedTileWidth);
+          const auto known = [&](uint32_t place) { return place == kNoFront ? 0u : words[place]; };
+          difference = rule.difference(words[i], {known(places.west), known(places.north), known(places.northWest)});
+        }
+        store(i, difference);
+      }
+    };
+    if (job.isNumber()) {
+      uint32_t* const plane = view.numbers + size_t{job.plane} * view.values + begin;
+      put(NumberRule{bits, ~0u}, [&](uint32_t i, uint32_t difference) {
+        if (i < size) plane[i] = difference;
+        countSymbol(counts[0], i < size ? tokenOf(difference) : kAnsSymbols);
+      });
+    } else {
+      uint8_t* const plane = view.bytes + size_t{job.plane} * view.values + begin;
+      const auto store = [&](uint32_t i, uint32_t difference) {
+        for (uint32_t k = 0; k < job.planes(); ++k) {
+          const uint32_t byte = difference >> 8 * k & 255;
+          if (i < size) plane[size_t{k} * view.values + i] = static_cast<uint8_t>(byte);
+          countSymbol(counts[k], i < size ? byte : kAnsSymbols);
+        }
+      };
+      if (job.kind == FrontKind::color)
+        put(ColorRule{}, store);
+      else
+        put(ChannelRule{}, store);
+    }
+    __syncthreads();
+    const uint32_t firstModel = view.modelOf(layer, job.isNumber() ? job.plane : view.form.numbers + job.plane);
+    for (uint32_t i = threadIdx.x; i < job.planes() * kAnsSymbols; i += kThreads)
+      if (uint32_t& count = counts[i / kAnsSymbols][i % kAnsSymbols]; count > 0) {
+        atomicAdd(&view.histograms[firstModel * kAnsSymbols + i], count);
+        count = 0;
+      }
+    // The next job's counting is behind its next barrier, and so are its words' readers.
+  }
+}
+
+/// Makes values of differences, in place. `masks`: what the layer covers; `first`: of the calling thread's row among the words. `origins`: of places.
+template <class Rule>
+__device__ void goThroughTile(const TileRect& rect, const LayerMasks& masks, uint32_t* words, const int32_t* origins, const Rule& rule) {
   const uint32_t row = threadIdx.x % 32;
-  const uint32_t* const own = masks + row * kMaskWords;
+  const uint64_t own = masks.rows[row], above = row > 0 ? masks.rows[row - 1] : 0;
   uint32_t west = 0, seen = 0;                      // what is known of the column before; what a pixel without neighbours is predicted from
   uint32_t north = 0, northWest = 0, northEast = 0;  // of the row above
-  uint32_t at = first;
+  uint32_t at = masks.firsts[row];
   bool isWest = false, isNorth = false, isNorthWest = false, hasSeen = false;
   const int steps = static_cast<int>(rect.width + 2 * (rect.height - 1));
   for (int step = 0; step < steps; ++step) {
@@ -88,26 +207,19 @@ __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint3
     northEast = __shfl_up_sync(kAllLanes, west, 1);
     const uint32_t seenAbove = __shfl_up_sync(kAllLanes, seen, 1);
     if (column < 0 || column >= static_cast<int>(rect.width) || row >= rect.height) continue;
-    const uint32_t bit = 1u << column % 32;
     isNorthWest = isNorth;
-    isNorth = row > 0 && (own[column / 32 - static_cast<int>(kMaskWords)] & bit) != 0;
+    isNorth = (above >> column & 1) != 0;
     if (!hasSeen) seen = row > 0 ? seenAbove : 0;
-    const bool isCovered = (own[column / 32] & bit) != 0;
+    const bool isCovered = (own >> column & 1) != 0;
     if (isCovered) {
       FrontNeighbors from;
       from.west = isWest ? west : isNorth ? north : seen;
       from.north = isNorth ? north : from.west;
       from.northWest = isNorthWest ? northWest : from.north;
-      const uint32_t word = words[at];
-      if constexpr (kReads) {
-        const int32_t origin = origins != nullptr ? origins[at] : 0;
-        const uint32_t value = rule.value(word, from, origin);
-        words[at] = value;
-        west = seen = rule.known(value, origin);
-      } else {
-        words[at] = rule.difference(word, from);
-        west = seen = word;
-      }
+      const int32_t origin = origins != nullptr ? origins[at] : 0;
+      const uint32_t value = rule.value(words[at], from, origin);
+      words[at] = value;
+      west = seen = rule.known(value, origin);
       hasSeen = true;
       ++at;
     }
@@ -115,73 +227,51 @@ __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint3
   }
 }
 
-/// A block for each stream and job; the words of the stream, then origins of what is read, are in shared memory.
-template <bool kReads>
-__global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, FrontJobs jobs) {
+/// A block for each stream and job; the words of the stream, then origins, are in shared memory.
+__global__ void __launch_bounds__(kThreads) takeDifferences(SheetView view, FrontJobs jobs) {
   extern __shared__ uint32_t words[];
-  __shared__ uint32_t masks[kCodedTileHeight * kMaskWords];
+  __shared__ LayerMasks masks;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
-  if (size == 0) return;
-  if (kReads && (!view.isFull() || *view.flags != 0)) return;
+  if (size == 0 || !view.isFull() || *view.flags != 0) return;
   const FrontJob job = jobs.jobs[blockIdx.y];
-  const bool isNumber = job.kind == FrontKind::place || job.kind == FrontKind::gap || job.kind == FrontKind::radius;
-  const bool hasOrigins = job.kind == FrontKind::place || (job.kind == FrontKind::gap && layer == 0);
+  const bool hasOrigins = job.hasOrigins(layer);
   const int bits = hasOrigins ? jobs.bits : 0;
-  const uint32_t planes = job.kind == FrontKind::color ? 4 : job.kind == FrontKind::channels ? 2 : 1;
   const TileRect rect = view.grid.at(tile);
   auto* const origins = reinterpret_cast<int32_t*>(words + size);
-  const auto byteOf = [&](uint32_t plane, uint32_t i) -> uint8_t& { return view.bytes[size_t{job.plane + plane} * view.values + begin + i]; };
-
-  for (uint32_t row = threadIdx.x / 32; row < rect.height; row += kThreads / 32)
-    for (uint32_t word = 0; word < kMaskWords; ++word) {
-      const uint32_t x = word * 32 + threadIdx.x % 32;
-      const uint32_t mask = __ballot_sync(kAllLanes, x < rect.width && view.counts[view.pixel(rect, x, row)] > layer);
-      if (threadIdx.x % 32 == 0) masks[row * kMaskWords + word] = mask;
-    }
+  masks.fill(view, rect, stream, layer);
   for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
     uint32_t word = 0;
-    if (!kReads)
-      word = hasOrigins ? static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(job.values[begin + i]), jobs.origins[begin + i], bits)) : job.values[begin + i];
-    else if (isNumber)
+    if (job.isNumber())
       word = view.numbers[size_t{job.plane} * view.values + begin + i];
     else
-      for (uint32_t plane = 0; plane < planes; ++plane) word |= static_cast<uint32_t>(byteOf(plane, i)) << 8 * plane;
+      for (uint32_t plane = 0; plane < job.planes(); ++plane) word |= static_cast<uint32_t>(view.bytes[size_t{job.plane + plane} * view.values + begin + i]) << 8 * plane;
     words[i] = word;
-    if (kReads && hasOrigins) origins[i] = jobs.origins[begin + i];
+    if (hasOrigins) origins[i] = jobs.origins[begin + i];
   }
   __syncthreads();
   if (threadIdx.x < 32) {
-    const uint32_t first = threadIdx.x < rect.height ? view.rowRanks[stream * kCodedTileHeight + threadIdx.x] : 0;
-    if (isNumber)
-      goThroughTile<kReads>(rect, masks, first, words, hasOrigins ? origins : nullptr, NumberRule{bits, job.kind == FrontKind::radius ? kRadiusCodeMax : ~0u});
+    if (job.isNumber())
+      goThroughTile(rect, masks, words, hasOrigins ? origins : nullptr, NumberRule{bits, job.kind == FrontKind::radius ? kRadiusCodeMax : ~0u});
     else if (job.kind == FrontKind::color)
-      goThroughTile<kReads>(rect, masks, first, words, nullptr, ColorRule{});
+      goThroughTile(rect, masks, words, nullptr, ColorRule{});
     else
-      goThroughTile<kReads>(rect, masks, first, words, nullptr, ChannelRule{});
+      goThroughTile(rect, masks, words, nullptr, ChannelRule{});
   }
   __syncthreads();
-  for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
-    const uint32_t word = words[i];
-    if (kReads)
-      job.values[begin + i] = word;
-    else if (isNumber)
-      view.numbers[size_t{job.plane} * view.values + begin + i] = word;
-    else
-      for (uint32_t plane = 0; plane < planes; ++plane) byteOf(plane, i) = static_cast<uint8_t>(word >> 8 * plane);
-  }
-}
-
-template <bool kReads>
-void run(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
-  constexpr unsigned kBytes = (kReads ? 2 : 1) * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));  // the less, the more tiles at once
-  static_assert(kBytes <= 48 * 1024, "what a kernel has without asking for more");
-  goThroughTiles<kReads><<<dim3(view.tiles() * view.layers, jobs.count), kThreads, kBytes, stream>>>(view, jobs);
-  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  for (uint32_t i = threadIdx.x; i < size; i += kThreads) job.values[begin + i] = words[i];
 }
 
 }  // namespace
 
-void putFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) { run<false>(view, jobs, stream); }
-void takeFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) { run<true>(view, jobs, stream); }
+void putFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
+  putDifferences<<<view.tiles() * view.layers, kThreads, 0, stream>>>(view, jobs);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+void takeFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
+  constexpr unsigned kBytes = 2 * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));  // the less, the more tiles at once
+  takeDifferences<<<dim3(view.tiles() * view.layers, jobs.count), kThreads, kBytes, stream>>>(view, jobs);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
 
 }  // namespace warpscope

@@ -1,6 +1,6 @@
 // Differences of values from what neighbours make likely, for all tiles of a picture on a device, and back. For .cu files and what they include.
-// A warp goes through a tile, a row for each thread, each two columns behind the one above: what a pixel is predicted from is known when its turn comes, also to
-// who decodes (a wavefront; cf. Lamport 1974, "The parallel execution of DO loops"). Neighbours are those of tile_layer.h.
+// Who decodes goes through a tile with a warp, a row for each thread, each two columns behind the one above: what a pixel is predicted from is known when its turn
+// comes (a wavefront; cf. Lamport 1974, "The parallel execution of DO loops"). Neighbours are those of tile_layer.h.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -25,6 +25,12 @@ struct FrontJob {
   FrontKind kind = FrontKind::place;
   uint32_t plane = 0;  ///< the first of the sheet's planes of numbers (place, gap, radius) or bytes
   uint32_t* values = nullptr;  ///< in the order of streams
+
+  WARPSCOPE_HD bool isNumber() const { return kind == FrontKind::place || kind == FrontKind::gap || kind == FrontKind::radius; }
+  /// Of the sheet, one after the other.
+  WARPSCOPE_HD uint32_t planes() const { return kind == FrontKind::color ? 4 : kind == FrontKind::channels ? 2 : 1; }
+  /// Whether values are places on rays that begin at origins.
+  WARPSCOPE_HD bool hasOrigins(uint32_t layer) const { return kind == FrontKind::place || (kind == FrontKind::gap && layer == 0); }
 };
 
 struct FrontJobs {
@@ -36,9 +42,15 @@ struct FrontJobs {
   int bits = 0;                      ///< fineBitsOf()
 
   void add(FrontKind kind, uint32_t plane, uint32_t* values) { jobs[count++] = {kind, plane, values}; }
+  /// The sheet's planes that come of them: a bit each, numbers first.
+  uint32_t planes(const SheetForm& form) const {
+    uint32_t planes = 0;
+    for (uint32_t i = 0; i < count; ++i) planes |= ((1u << jobs[i].planes()) - 1) << (jobs[i].isNumber() ? jobs[i].plane : form.numbers + jobs[i].plane);
+    return planes;
+  }
 };
 
-/// Planes from values.
+/// Planes from values; counts their symbols in the view's histograms.
 void putFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream);
 /// Values from planes. Nothing where the sheet is damaged or not full.
 void takeFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream);
