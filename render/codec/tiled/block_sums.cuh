@@ -25,15 +25,21 @@ class BlockSums {
     __syncthreads();
     return all;
   }
-  /// Writes to each of `sums` what `values` in front of it, which may be the same array, add up to; one more of `sums` than of values. `kOwn`: of a thread at once.
-  template <uint32_t kOwn>
+  /// Writes to each of `sums` what `values` in front of it, which may be the same array, add up to; one more of `sums` than of values.
   __device__ void ofArray(const uint32_t* values, uint32_t* sums, uint32_t count) {
-    uint32_t sum = 0;
+    constexpr uint32_t kOwn = 4;  // of a thread at once
+    uint32_t sum = 0, next[kOwn];
+    const auto look = [&](uint32_t first) {
+#pragma unroll
+      for (uint32_t k = 0; k < kOwn; ++k) next[k] = first + k < count ? values[first + k] : 0;
+    };
+    look(threadIdx.x * kOwn);
     for (uint32_t begin = 0; begin < count; begin += kThreads * kOwn) {
       const uint32_t first = begin + threadIdx.x * kOwn;
       uint32_t own[kOwn], all = 0, total;
 #pragma unroll
-      for (uint32_t k = 0; k < kOwn; ++k) all += own[k] = first + k < count ? values[first + k] : 0;
+      for (uint32_t k = 0; k < kOwn; ++k) all += own[k] = next[k];
+      look(first + kThreads * kOwn);  // does not wait for what follows
       uint32_t at = sum + before(all, total);
 #pragma unroll
       for (uint32_t k = 0; k < kOwn; ++k) {

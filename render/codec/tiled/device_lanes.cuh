@@ -61,24 +61,29 @@ __device__ void fromTheEnd(const T* symbols, uint32_t size, const Prepare& prepa
   if (steps == 0) return;
   // Some first, of which the last may be of fewer than all lanes; then as many as go at once.
   const uint32_t some = (steps - 1) % kAhead + 1;
-  T loaded[kAhead];
+  T loaded[kAhead], next[kAhead];
   Ready ready[kAhead];
+  const auto lookAtNext = [&](uint32_t steps) {
+    if (steps == 0) return;
+    const T* const last = symbols + (steps - 1) * 32 + lane;
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k) next[k] = *(last - k * 32);
+  };
 #pragma unroll
   for (uint32_t k = 0; k < kAhead; ++k) {
     const uint32_t i = (steps - 1 - k) * 32 + lane;
     loaded[k] = k < some && i < size ? symbols[i] : T{0};
   }
+  lookAtNext(steps - some);
 #pragma unroll
   for (uint32_t k = 0; k < kAhead; ++k) ready[k] = prepare(loaded[k]);
 #pragma unroll
   for (uint32_t k = 0; k < kAhead; ++k)
     if (k < some) put(ready[k], (steps - 1 - k) * 32 + lane < size);
   for (steps -= some; steps > 0; steps -= kAhead) {
-    const T* const last = symbols + (steps - 1) * 32 + lane;
 #pragma unroll
-    for (uint32_t k = 0; k < kAhead; ++k) loaded[k] = *(last - k * 32);
-#pragma unroll
-    for (uint32_t k = 0; k < kAhead; ++k) ready[k] = prepare(loaded[k]);
+    for (uint32_t k = 0; k < kAhead; ++k) ready[k] = prepare(next[k]);
+    lookAtNext(steps - kAhead);
 #pragma unroll
     for (uint32_t k = 0; k < kAhead; ++k) put(ready[k], true);
   }
@@ -103,19 +108,13 @@ class WarpReader {
   /// Fills `symbols` of a model whose slots are `slots`.
   template <class T>
   __device__ void take(const uint32_t* slots, T* symbols, uint32_t size) {
-    const uint32_t lane = threadIdx.x % 32;
-    for (uint32_t begin = 0; begin < size; begin += 32) {
-      const bool isActive = begin + lane < size;
-      uint32_t value = 0;
-      if (isActive) {
-        const uint32_t slot = slots[at_.state & (kAnsScale - 1)];
-        value = ansSymbolOf(slot);
-        at_.state = ansTake(at_.state, slot);
-      }
-      refill(isActive);
-      if constexpr (sizeof(T) > 1) value = takeRest(value);
-      if (isActive) symbols[begin + lane] = static_cast<T>(value);
-    }
+    T* const own = symbols + threadIdx.x % 32;
+    uint32_t begin = 0;
+    for (; begin + 32 <= size; begin += 32) own[begin] = takeStep<T>(slots, true);
+    if (begin == size) return;
+    const bool isActive = begin + threadIdx.x % 32 < size;
+    const T last = takeStep<T>(slots, isActive);
+    if (isActive) own[begin] = last;
   }
   /// Fills `numbers` of a model that has one token alone.
   __device__ void takeRests(uint32_t token, uint32_t* numbers, uint32_t size) {
@@ -131,7 +130,7 @@ class WarpReader {
   __device__ void blame() { isBad_ = true; }
   __device__ bool isBad() const { return isBad_; }
   __device__ bool isSound() const {
-    return __all_sync(kAllLanes, !isBad_ && at_.next == count_ && (!hasStream_ || at_.state == kAnsLow));
+    return __all_sync(kAllLanes, !isBad_ && at_.next == count_ && (!hasStream_ || at_.state == kAnsLow));  // who took words that were not there is past the end
   }
   __device__ LaneState state() const { return at_; }
   /// Goes on where an earlier reader of the stream was.
@@ -142,26 +141,36 @@ class WarpReader {
 
  private:
   __device__ uint32_t wordAt(uint32_t place) const { return place < count_ ? __ldg(words_ + place) : 0u; }
-  /// The words that come next: the window's two halves, a word a lane each.
+  /// The words that come next: the window's two halves, a word a lane each, and what comes behind it, which nobody waits for yet.
   __device__ void look() {
     window_ = at_.next;
     near_ = wordAt(window_ + threadIdx.x % 32);
     far_ = wordAt(window_ + 32 + threadIdx.x % 32);
+    behind_ = wordAt(window_ + 64 + threadIdx.x % 32);
   }
   __device__ void refill(bool isActive) {
     const bool wants = isActive && ansWants(at_.state);
     const uint32_t wanting = __ballot_sync(kAllLanes, wants);
-    const uint32_t place = at_.next + __popc(wanting & lanesBelow()), inWindow = place - window_;
+    const uint32_t inWindow = at_.next - window_ + __popc(wanting & lanesBelow());
     const uint32_t fromNear = __shfl_sync(kAllLanes, near_, inWindow), fromFar = __shfl_sync(kAllLanes, far_, inWindow);
-    if (wants) {
-      at_.state = at_.state << 16 | (inWindow < 32 ? fromNear : fromFar);
-      isBad_ |= place >= count_;
-    }
-    at_.next = min(at_.next + __popc(wanting), count_);
+    if (wants) at_.state = at_.state << 16 | (inWindow < 32 ? fromNear : fromFar);
+    at_.next += __popc(wanting);
     if (at_.next - window_ < 32) return;
     window_ += 32;
     near_ = far_;
-    far_ = wordAt(window_ + 32 + threadIdx.x % 32);
+    far_ = behind_;
+    behind_ = wordAt(window_ + 64 + threadIdx.x % 32);
+  }
+  template <class T>
+  __device__ T takeStep(const uint32_t* slots, bool isActive) {
+    const uint32_t slot = slots[at_.state & (kAnsScale - 1)];
+    if (isActive) at_.state = ansTake(at_.state, slot);
+    refill(isActive);
+    const uint32_t symbol = isActive ? ansSymbolOf(slot) : 0;
+    if constexpr (sizeof(T) > 1)
+      return takeRest(symbol);
+    else
+      return static_cast<T>(symbol);
   }
   /// A token's number.
   __device__ uint32_t takeRest(uint32_t token) {
@@ -182,7 +191,7 @@ class WarpReader {
   const uint16_t* words_;
   uint32_t count_ = 0;
   LaneState at_;
-  uint32_t window_ = 0, near_ = 0, far_ = 0;
+  uint32_t window_ = 0, near_ = 0, far_ = 0, behind_ = 0;
   bool hasStream_, isBad_ = false;
 };
 

@@ -32,7 +32,7 @@ constexpr uint32_t kCountedRows = 4;  // by a thread
 constexpr uint32_t kCountingThreads = kCodedTileWidth * kCodedTileHeight / kCountedRows;
 
 /// A block for each tile, a thread for some rows of a column. `layersUsed`: of any tile.
-__global__ void __launch_bounds__(kCountingThreads) countTiles(SheetView view, uint32_t* layersUsed) {
+__global__ void __launch_bounds__(kCountingThreads) countTiles(const __grid_constant__ SheetView view, uint32_t* layersUsed) {
   __shared__ uint32_t sizes[kMostLayers][kCodedTileHeight];  // of each row
   const TileRect rect = view.grid.at(blockIdx.x);
   const uint32_t x = threadIdx.x, column = x % kCodedTileWidth, top = x / kCodedTileWidth * kCountedRows;
@@ -72,9 +72,9 @@ constexpr int kSumThreads = 1024;
 __global__ void __launch_bounds__(kSumThreads) findBegins(uint32_t* streams, uint32_t streamCount, uint32_t* rows, uint32_t rowCount) {
   BlockSums<kSumThreads> sums;
   if (blockIdx.x == 0)
-    sums.ofArray<4>(streams, streams, streamCount);
+    sums.ofArray(streams, streams, streamCount);
   else
-    sums.ofArray<16>(rows, rows, rowCount);
+    sums.ofArray(rows, rows, rowCount);
 }
 
 /// What the byte of a mask at a place is.
@@ -86,7 +86,7 @@ __device__ uint32_t maskByte(const SheetView& view, const TileRect& rect, uint32
 }
 
 /// A block for each tile.
-__global__ void putMasks(SheetView view) {
+__global__ void putMasks(const __grid_constant__ SheetView view) {
   const uint32_t tile = blockIdx.x;
   const TileRect rect = view.grid.at(tile);
   const uint32_t rowBytes = rect.maskRowBytes();
@@ -103,7 +103,7 @@ __global__ void putMasks(SheetView view) {
 }
 
 /// How many further layers covered pixels have. A warp for each tile.
-__global__ void putFurther(SheetView view) {
+__global__ void putFurther(const __grid_constant__ SheetView view) {
   const uint32_t tile = blockIdx.x;
   uint8_t* const shape = view.shape(1, tile);
   uint32_t last = 0;
@@ -117,7 +117,7 @@ __global__ void putFurther(SheetView view) {
 }
 
 /// A block for each stream and each of the shapes and planes that are not `counted` (a bit each, shapes first): how often each symbol of its model occurs.
-__global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint32_t counted) {
+__global__ void __launch_bounds__(kAnsSymbols) countSymbols(const __grid_constant__ SheetView view, uint32_t counted) {
   __shared__ uint32_t counts[kAnsSymbols];
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
   if (layer >= view.streams[tile]) return;
@@ -200,7 +200,7 @@ __device__ void putNumbers(WarpWriter& writer, const AnsWriterShare* own, const 
 }
 
 /// A warp for each stream. Words go to the end of the stream's room.
-__global__ void __launch_bounds__(32) writeStreams(SheetView view, const AnsWriterShare* shares, uint16_t* words, uint32_t* wordCounts, uint32_t* states, uint32_t* lengths) {
+__global__ void __launch_bounds__(32) writeStreams(const __grid_constant__ SheetView view, const AnsWriterShare* shares, uint16_t* words, uint32_t* wordCounts, uint32_t* states, uint32_t* lengths) {
   __shared__ AnsWriterShare own[kAnsSymbols];
   constexpr uint32_t kOwn = kAnsSymbols / 32;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, lane = threadIdx.x;
@@ -261,7 +261,7 @@ struct SheetHeads {
 __global__ void __launch_bounds__(kSumThreads) tellHeads(SheetHeads heads, const uint16_t* frequencies, const uint32_t* lengths, uint32_t* offsets, const uint32_t* layers,
                                                         const uint8_t* streamsOfTiles, std::byte* told) {
   BlockSums<kSumThreads> sums;
-  sums.ofArray<4>(lengths, offsets, heads.streams);
+  sums.ofArray(lengths, offsets, heads.streams);
   const auto tell = [&](const auto* from, size_t at, uint32_t count) {
     auto* const to = reinterpret_cast<std::remove_cvref_t<decltype(*from)>*>(told + at);
     for (uint32_t i = threadIdx.x; i < count; i += kSumThreads) to[i] = from[i];
@@ -275,7 +275,7 @@ __global__ void __launch_bounds__(kSumThreads) tellHeads(SheetHeads heads, const
 }
 
 /// A block for each stream.
-__global__ void gatherStreams(SheetView view, const uint16_t* words, const uint32_t* wordCounts, const uint32_t* states, const uint32_t* lengths, const uint32_t* offsets,
+__global__ void gatherStreams(const __grid_constant__ SheetView view, const uint16_t* words, const uint32_t* wordCounts, const uint32_t* states, const uint32_t* lengths, const uint32_t* offsets,
                               uint16_t* out) {
   const uint32_t stream = blockIdx.x;
   if (lengths[stream] == 0) return;

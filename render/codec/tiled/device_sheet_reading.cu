@@ -148,7 +148,7 @@ __device__ uint32_t takeRays(const SheetView& view, const TileRect& rect, const 
 }
 
 /// A warp for each tile. `states`: where its first stream goes on.
-__global__ void __launch_bounds__(kReadingThreads) readShapes(SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, uint32_t most, uint8_t* rays,
+__global__ void __launch_bounds__(kReadingThreads) readShapes(const __grid_constant__ SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, uint32_t most, uint8_t* rays,
                                                               LaneState* states, uint32_t* badStreams) {
   __shared__ __align__(16) uint32_t slots[kAnsScale];
   BlockModels models(all, slots, 0);
@@ -206,7 +206,7 @@ __global__ void __launch_bounds__(kReadingThreads) readShapes(SheetView view, Re
 }
 
 /// A warp for each stream. Blocks of the layer in front, whose streams are the longest, come first.
-__global__ void __launch_bounds__(kReadingThreads) readPlanes(SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, const LaneState* states,
+__global__ void __launch_bounds__(kReadingThreads) readPlanes(const __grid_constant__ SheetView view, ReaderModels all, const StreamRead* reads, const uint16_t* packed, const LaneState* states,
                                                               const uint32_t* badStreams) {
   __shared__ __align__(16) uint32_t slots[kAnsScale];
   if (!view.isFull() || (*view.flags & kDamagedShapes) != 0) return;

@@ -123,70 +123,67 @@ __device__ FrontPlaces frontPlaces(const LayerMasks& masks, uint32_t i, uint32_t
   return places;
 }
 
-/// A block for each stream: differences of all jobs' values, as planes, and how often which symbols occur. What neighbours are is known before any of them.
-__global__ void __launch_bounds__(kThreads) putDifferences(SheetView view, FrontJobs jobs) {
-  __shared__ uint32_t words[kCodedTilePixels];
+constexpr unsigned kPuttingThreads = 256;
+constexpr uint32_t kMostPlanes = 8;  // of all jobs
+
+/// A block for each stream: differences of all jobs' values, as planes, and how often which symbols occur. What neighbours are is known before any of them. Words of all jobs are in
+/// shared memory.
+__global__ void __launch_bounds__(kPuttingThreads) putDifferences(const __grid_constant__ SheetView view, const __grid_constant__ FrontJobs jobs) {
+  extern __shared__ uint32_t words[];
   __shared__ uint16_t pixels[kCodedTilePixels];  // of each value
-  __shared__ uint32_t counts[4][kAnsSymbols];
+  __shared__ uint32_t counts[kMostPlanes][kAnsSymbols];
   __shared__ LayerMasks masks;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
   if (size == 0) return;
   masks.fill(view, view.grid.at(tile), stream, layer);
-  for (uint32_t i = threadIdx.x; i < 4 * kAnsSymbols; i += kThreads) counts[i / kAnsSymbols][i % kAnsSymbols] = 0;
+  for (uint32_t number = 0; number < jobs.count; ++number) {
+    const FrontJob& job = jobs.jobs[number];
+    const bool hasOrigins = job.hasOrigins(layer);
+    for (uint32_t i = threadIdx.x; i < size; i += kPuttingThreads) {
+      const uint32_t value = job.values[begin + i];
+      words[number * kCodedTilePixels + i] = hasOrigins ? static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(value), jobs.origins[begin + i], jobs.bits)) : value;
+    }
+  }
+  for (uint32_t i = threadIdx.x; i < kMostPlanes * kAnsSymbols; i += kPuttingThreads) counts[i / kAnsSymbols][i % kAnsSymbols] = 0;
   __syncthreads();
-  for (uint32_t place = threadIdx.x; place < kCodedTilePixels; place += kThreads) {
+  for (uint32_t place = threadIdx.x; place < kCodedTilePixels; place += kPuttingThreads) {
     const uint32_t x = place % kCodedTileWidth, y = place / kCodedTileWidth;
     if (masks.has(x, y)) pixels[masks.rank(x, y)] = static_cast<uint16_t>(place);
   }
+  __syncthreads();
+  for (uint32_t first = 0; first < size; first += kPuttingThreads) {
+    const uint32_t i = first + threadIdx.x;
+    const bool isThere = i < size;
+    FrontPlaces places;
+    if (isThere) places = frontPlaces(masks, i, pixels[i] % kCodedTileWidth, pixels[i] / kCodedTileWidth);
+    uint32_t plane = 0;  // among those of all jobs
+    for (uint32_t number = 0; number < jobs.count; ++number) {
+      const FrontJob& job = jobs.jobs[number];
+      const uint32_t* const own = words + number * kCodedTilePixels;
+      const auto known = [&](uint32_t place) { return place == kNoFront ? 0u : own[place]; };
+      const auto difference = [&](const auto& rule) { return isThere ? rule.difference(own[i], {known(places.west), known(places.north), known(places.northWest)}) : 0; };
+      if (job.isNumber()) {
+        const uint32_t word = difference(NumberRule{job.hasOrigins(layer) ? jobs.bits : 0, ~0u});
+        if (isThere) view.numbers[size_t{job.plane} * view.values + begin + i] = word;
+        countSymbol(counts[plane++], isThere ? tokenOf(word) : kAnsSymbols);
+        continue;
+      }
+      const uint32_t word = job.kind == FrontKind::color ? difference(ColorRule{}) : difference(ChannelRule{});
+      for (uint32_t k = 0; k < job.planes(); ++k) {
+        const uint32_t byte = word >> 8 * k & 255;
+        if (isThere) view.bytes[size_t{job.plane + k} * view.values + begin + i] = static_cast<uint8_t>(byte);
+        countSymbol(counts[plane++], isThere ? byte : kAnsSymbols);
+      }
+    }
+  }
+  __syncthreads();
+  uint32_t plane = 0;
   for (uint32_t number = 0; number < jobs.count; ++number) {
-    const FrontJob job = jobs.jobs[number];
-    const bool hasOrigins = job.hasOrigins(layer);
-    const int bits = hasOrigins ? jobs.bits : 0;
-    for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
-      const uint32_t value = job.values[begin + i];
-      words[i] = hasOrigins ? static_cast<uint32_t>(fineOfPlace(static_cast<int32_t>(value), jobs.origins[begin + i], bits)) : value;
-    }
-    __syncthreads();
-    const auto put = [&](const auto& rule, const auto& store) {
-      for (uint32_t first = 0; first < size; first += kThreads) {
-        const uint32_t i = first + threadIdx.x;
-        uint32_t difference = 0;
-        if (i < size) {
-          const FrontPlaces places = frontPlaces(masks, i, pixels[i] % kCodedTileWidth, pixels[i] / kCodedTileWidth);
-          const auto known = [&](uint32_t place) { return place == kNoFront ? 0u : words[place]; };
-          difference = rule.difference(words[i], {known(places.west), known(places.north), known(places.northWest)});
-        }
-        store(i, difference);
-      }
-    };
-    if (job.isNumber()) {
-      uint32_t* const plane = view.numbers + size_t{job.plane} * view.values + begin;
-      put(NumberRule{bits, ~0u}, [&](uint32_t i, uint32_t difference) {
-        if (i < size) plane[i] = difference;
-        countSymbol(counts[0], i < size ? tokenOf(difference) : kAnsSymbols);
-      });
-    } else {
-      uint8_t* const plane = view.bytes + size_t{job.plane} * view.values + begin;
-      const auto store = [&](uint32_t i, uint32_t difference) {
-        for (uint32_t k = 0; k < job.planes(); ++k) {
-          const uint32_t byte = difference >> 8 * k & 255;
-          if (i < size) plane[size_t{k} * view.values + i] = static_cast<uint8_t>(byte);
-          countSymbol(counts[k], i < size ? byte : kAnsSymbols);
-        }
-      };
-      if (job.kind == FrontKind::color)
-        put(ColorRule{}, store);
-      else
-        put(ChannelRule{}, store);
-    }
-    __syncthreads();
-    const uint32_t firstModel = view.modelOf(layer, job.isNumber() ? job.plane : view.form.numbers + job.plane);
-    for (uint32_t i = threadIdx.x; i < job.planes() * kAnsSymbols; i += kThreads)
-      if (uint32_t& count = counts[i / kAnsSymbols][i % kAnsSymbols]; count > 0) {
-        atomicAdd(&view.histograms[firstModel * kAnsSymbols + i], count);
-        count = 0;
-      }
-    // The next job's counting is behind its next barrier, and so are its words' readers.
+    const FrontJob& job = jobs.jobs[number];
+    uint32_t* const models = view.histograms + view.modelOf(layer, job.isNumber() ? job.plane : view.form.numbers + job.plane) * kAnsSymbols;
+    for (uint32_t i = threadIdx.x; i < job.planes() * kAnsSymbols; i += kPuttingThreads)
+      if (const uint32_t count = counts[plane + i / kAnsSymbols][i % kAnsSymbols]; count > 0) atomicAdd(&models[i], count);
+    plane += job.planes();
   }
 }
 
@@ -228,7 +225,7 @@ __device__ void goThroughTile(const TileRect& rect, const LayerMasks& masks, uin
 }
 
 /// A block for each stream and job; the words of the stream, then origins, are in shared memory.
-__global__ void __launch_bounds__(kThreads) takeDifferences(SheetView view, FrontJobs jobs) {
+__global__ void __launch_bounds__(kThreads) takeDifferences(const __grid_constant__ SheetView view, const __grid_constant__ FrontJobs jobs) {
   extern __shared__ uint32_t words[];
   __shared__ LayerMasks masks;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
@@ -264,7 +261,8 @@ __global__ void __launch_bounds__(kThreads) takeDifferences(SheetView view, Fron
 }  // namespace
 
 void putFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
-  putDifferences<<<view.tiles() * view.layers, kThreads, 0, stream>>>(view, jobs);
+  static_assert(FrontJobs::kMost * kCodedTilePixels * sizeof(uint32_t) <= 32 * 1024, "with what else there is, what a kernel has without asking for more");
+  putDifferences<<<view.tiles() * view.layers, kPuttingThreads, jobs.count * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t)), stream>>>(view, jobs);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

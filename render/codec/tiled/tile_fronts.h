@@ -41,6 +41,7 @@ struct FrontJobs {
   const int32_t* origins = nullptr;  ///< of each value's ray
   int bits = 0;                      ///< fineBitsOf()
 
+  /// At most 8 planes in all.
   void add(FrontKind kind, uint32_t plane, uint32_t* values) { jobs[count++] = {kind, plane, values}; }
   /// The sheet's planes that come of them: a bit each, numbers first.
   uint32_t planes(const SheetForm& form) const {

@@ -38,13 +38,24 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   const uint32_t begin = first[at] & ~SegmentField::kEndedBit, next = first[at + 1], end = next & ~SegmentField::kEndedBit;
   const float cosine = begin < end ? pixels.ray(pixel.x, pixel.y).cosine : 1.0f;
   FieldSegmentsOfPixel ofPixel(fieldDepths, *opticalDepths, cosine);
+  FieldSpan outer[2];  // the first and the last
+  SegmentDepths nextDepths = begin < end ? depths[begin] : SegmentDepths{};
+  Rgba8 nextCode = begin < end ? codes[begin] : 0;
   for (uint32_t i = begin; i < end; ++i) {
-    const FieldSegment segment = ofPixel.next(depths[i], codes[i]);
+    const SegmentDepths ownDepths = nextDepths;
+    const Rgba8 code = nextCode;
+    if (i + 1 < end) {  // does not wait for what is stored
+      nextDepths = depths[i + 1];
+      nextCode = codes[i + 1];
+    }
+    const FieldSegment segment = ofPixel.next(ownDepths, code);
     spans[i] = segment.span;
-    matter[i] = {straightSegmentColor(*tables, codes[i], colorScale), segment.extinction};
+    matter[i] = {straightSegmentColor(*tables, code, colorScale), segment.extinction};
     places[i] = segment.place;
+    if (i == begin) outer[0] = segment.span;
+    outer[1] = segment.span;
   }
-  ofPixels[at] = tileOf(spans + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
+  ofPixels[at] = tileOf(outer, begin < end ? 2 : 0, (next & SegmentField::kEndedBit) != 0);
 }
 
 __global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, int partColumns, int partRows, int level, int columns, int rows, FieldTile* tiles) {
