@@ -11,7 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "render/codec/band_layout.h"
 #include "render/codec/tiled/ans_lanes.h"
 #include "render/codec/tokens.h"
 
@@ -141,16 +140,6 @@ TEST(AnsWriterShare, DividesExactly) {
       expectSame(std::max(kAnsLow, quotient * frequency));
       expectSame(std::max(kAnsLow, static_cast<uint32_t>(random())));
     }
-  }
-}
-
-TEST(Predicted, IsThePlaneHeldBetweenNeighboursWhateverTheyAre) {
-  std::mt19937 random(11);
-  const auto any = [&] { return static_cast<int32_t>(random() % 4 == 0 ? random() : random() % 7 == 0 ? 0x7fffffffu + random() % 2 : random() % 16); };
-  for (int round = 0; round < 100000; ++round) {
-    const int32_t west = any(), north = any(), northWest = any();
-    const int64_t plane = int64_t{west} + north - northWest;
-    ASSERT_EQ(predicted(west, north, northWest), std::clamp(plane, int64_t{std::min(west, north)}, int64_t{std::max(west, north)})) << west << " " << north << " " << northWest;
   }
 }
 

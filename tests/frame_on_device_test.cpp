@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "render/base/error.h"
 #include "render/codec/plane_coding.h"
 #include "tests/codec_frames.h"
@@ -68,6 +70,12 @@ TEST(FrameOnDevice, IsBroughtHereOnceForAllWhoAsk) {
   const SampleFramePtr brought = onHost(left);
   EXPECT_TRUE(areSame(*brought, *here));
   EXPECT_EQ(onHost(left), brought);
+  std::vector<std::thread> threads;
+  const auto fresh = std::make_shared<const SampleFrame>(*left);
+  std::vector<SampleFramePtr> got(8);
+  for (SampleFramePtr& one : got) threads.emplace_back([&one, &fresh] { one = onHost(fresh); });
+  for (std::thread& thread : threads) thread.join();
+  for (const SampleFramePtr& one : got) EXPECT_EQ(one, got.front());
   // The same samples in another frame: who asks gets that one's settings.
   auto other = std::make_shared<SampleFrame>(*left);
   other->functionVersion = 7;

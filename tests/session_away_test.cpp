@@ -101,11 +101,19 @@ TEST_F(SessionAway, IsRecordedAsItIs) {
   Session session(ownSettings(), [] {});
   ASSERT_TRUE(load(session, staying("shells")));
   session.startRecording(folder.file("away.warpscope"), "");
-  const SampleFramePtr expected = onHost(session.frames().newest());
   session.update(clock_.now());
+  const uint64_t first = session.frames().newest()->requestId;
+  isLost_ = true;  // such a frame is not in the recording, which goes on
+  turn(session, 20.0);
+  ASSERT_TRUE(pumpUntil(session, [&] { return session.frames().newest()->requestId != first; }));
+  isLost_ = false;
+  turn(session, 20.0);
+  ASSERT_TRUE(pumpUntil(session, [&] { return session.panel(1).error.empty(); }) && settle(session));
+  const SampleFramePtr expected = onHost(session.frames().newest());
   EXPECT_TRUE(session.close(kPatience));
   EXPECT_EQ(session.recordingFailure(), "");
   const Recording recording = readRecording(folder.file("away.warpscope"));
+  EXPECT_GE(recording.frames.size(), 2u);
   const SampleFramePtr frame = RecordedFrames(recording).at(recording.seconds);
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->samples, expected->samples);

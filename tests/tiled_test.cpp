@@ -106,6 +106,16 @@ TEST(TiledPayload, TilesOfLayersThatHaveNoModelsAreRefused) {
   }
 }
 
+TEST(Predicted, IsThePlaneHeldBetweenNeighboursWhateverTheyAre) {
+  std::mt19937 random(11);
+  const auto any = [&] { return static_cast<int32_t>(random() % 4 == 0 ? random() : random() % 7 == 0 ? 0x7fffffffu + random() % 2 : random() % 16); };
+  for (int round = 0; round < 100000; ++round) {
+    const int32_t west = any(), north = any(), northWest = any();
+    const int64_t plane = int64_t{west} + north - northWest;
+    ASSERT_EQ(predicted(west, north, northWest), std::clamp(plane, int64_t{std::min(west, north)}, int64_t{std::max(west, north)})) << west << " " << north << " " << northWest;
+  }
+}
+
 /// A device that fails at its call number `calls`.
 class FailingCoder final : public TiledCoder {
  public:

@@ -162,7 +162,7 @@ void view(const ViewOptions& options) {
   const auto io = std::make_shared<net::IoThread>();
   const auto host = [io, transport, backend = checked.backend](Scene scene, const std::function<void()>& onNews, const std::stop_token& stop) {
     const MarcherPtr marcher = makeMarcher(backend, scene.volume, scene.transferFunction);
-    return hostScene(io, std::move(scene), marcher, transport, onNews, stop);
+    return hostScene(io, std::move(scene), marcher, transport, onNews, stop, DecodedPlace::device);
   };
   // Of servers that were connected to: what is said of them elsewhere, and may be kept in files, has no token.
   const auto known = std::make_shared<std::map<std::string, net::Address>>();
@@ -170,7 +170,7 @@ void view(const ViewOptions& options) {
     known->insert_or_assign(net::toStringWithoutToken(address), address);
     return LoadJob{net::toStringWithoutToken(address),
                    [=](const std::function<void()>& onNews, const std::stop_token& stop) {
-                     ConnectedScene loaded = connectScene(io, address, transport, onNews, stop, checked.backend);
+                     ConnectedScene loaded = connectScene(io, address, transport, onNews, stop, checked.backend, DecodedPlace::device);
                      checked.applyTo(loaded.scene);
                      return loaded;
                    },

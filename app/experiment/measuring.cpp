@@ -142,7 +142,7 @@ Measured measureArrival(const Measuring& measuring, const Drawing& drawing, Fram
 MeasuredPicture measurePicture(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding,
                                const SampleFramePtr& frame, const Camera& camera) {
   MeasuredPicture picture;
-  picture.decode = measureCoding(measuring, codec, frame, coding, DecodedPlace::device).decode;
+  picture.decode = measureCoding(measuring, codec, frame, coding, drawing.place).decode;
   picture.build = measureBuild(measuring, drawing.warp, frame, drawing.settings);
   WarpedImage image;
   picture.draw = measureDraw(measuring, drawing, camera, image).draw;

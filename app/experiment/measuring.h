@@ -84,7 +84,10 @@ struct Drawing {
   Warp& warp;
   const WarpSettings& settings;
   const glm::vec3& background;  ///< linear RGB
+  DecodedPlace place = DecodedPlace::host;  ///< of the frames that it is given: placeFor() the technique
 };
+/// Where frames are to be that it draws from as they are: who draws on the host waits for them to be brought.
+inline DecodedPlace placeFor(const WarpDescriptor& technique) { return technique.runsOnCuda ? DecodedPlace::device : DecodedPlace::host; }
 
 /// From the camera to finished colours in the memory of the backend that drew them: on a device between events there, on the CPU by the host's clock.
 struct MeasuredDraw {

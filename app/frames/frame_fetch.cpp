@@ -83,9 +83,7 @@ FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy
              const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
     const uint64_t id = ++*last;  // of all copies of this
     source->post({id, camera, settings}, std::chrono::steady_clock::now());
-    ServedFrame served = waitFor(*source, id, onBusy, stop);
-    served.frame = onHost(served.frame);  // it is looked at from all sides
-    return served;
+    return waitFor(*source, id, onBusy, stop);
   };
 }
 

@@ -169,7 +169,15 @@ class RecordingWriter::Work {
   }
 
   void keep(const RecordedFrame& one) {
-    SampleFrame frame = *one.frame;
+    SampleFramePtr here;
+    try {
+      here = onHost(one.frame);
+    } catch (const DeviceError&) {  // it went with its device: others come
+      const std::scoped_lock lock(mutex_);
+      ++leftOut_;
+      return;
+    }
+    SampleFrame frame = *here;
     // The copy of the volume is written once, with the first frame that has it.
     if (std::exchange(proxy_, frame.proxy) == frame.proxy) {
       frame.proxy.reset();

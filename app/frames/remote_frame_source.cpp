@@ -30,8 +30,9 @@ struct Arrived {
 class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
   RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, FunctionOwner owner,
-                    std::function<void()> onNews, Backend backend)
+                    std::function<void()> onNews, Backend backend, DecodedPlace place)
       : owner_(owner),
+        place_(place),
         onNews_(std::move(onNews)),
         clock_(io->clock()),
         where_(net::toString(settings.address.where)),
@@ -209,7 +210,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.requestId = head.id;
     served.requestedAt = arrived.arrival.requestedAt;
     auto frame = std::make_shared<SampleFrame>();
-    const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec, DecodedPlace::device); });
+    const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec, place_); });
     served.bytes = codec.bytes();
     completeFrame(head.id, *frame);
     forgetRequestsUpTo(head.id);
@@ -228,6 +229,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   }
 
   const FunctionOwner owner_;
+  const DecodedPlace place_;
   const std::function<void()> onNews_;
   Clock& clock_;  // of the I/O thread
   const std::string where_;
@@ -257,9 +259,9 @@ std::string busySentence(uint16_t others) {
 }
 
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
-                             const std::stop_token& stop, FunctionOwner owner, Backend backend) {
+                             const std::stop_token& stop, FunctionOwner owner, Backend backend, DecodedPlace place) {
   const auto patience = settings.connectPatience;
-  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, owner, std::move(onNews), backend);
+  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, owner, std::move(onNews), backend, place);
   net::SceneFields scene = source->waitForScene(patience, stop);
   return {std::move(source), std::move(scene)};
 }

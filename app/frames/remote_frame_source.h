@@ -24,8 +24,8 @@ enum class FunctionOwner { server, client };
 
 /// Connects and waits for the server's scene. `onNews` is called on other threads after each answer and each change of the status. Throws
 /// InputError with the reason if the server refuses or cannot be reached within settings.connectPatience, OperationCancelled if `stop` is
-/// set. Afterwards the source connects again by itself. `backend`: what reads tiles that come.
+/// set. Afterwards the source connects again by itself. `backend`: what reads tiles that come; `place`: where they stay.
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
-                             const std::stop_token& stop, FunctionOwner owner = FunctionOwner::server, Backend backend = Backend::cpu);
+                             const std::stop_token& stop, FunctionOwner owner = FunctionOwner::server, Backend backend = Backend::cpu, DecodedPlace place = DecodedPlace::host);
 
 }  // namespace warpscope

@@ -48,19 +48,19 @@ class HostedSource final : public FrameSource {
 }  // namespace
 
 ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const MarcherPtr& marcher, const TransportSettings& transport,
-                      std::function<void()> onNews, const std::stop_token& stop) {
+                      std::function<void()> onNews, const std::stop_token& stop, DecodedPlace place) {
   net::ServerSettings settings;
   settings.clients = {.most = 1, .mostOfAnAddress = 1, .leastIdleness = net::Duration::max()};  // strangers do not take its place
   settings.onNote = [](const std::string& text) { logDetail("the program's own server: " + text); };
   auto server = std::make_unique<FrameServer>(io, scene, marcher, settings);
-  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client, marcher->backend());
+  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client, marcher->backend(), place);
   connected.source->setTransport(transport);
   return {std::move(scene), std::make_shared<HostedSource>(std::move(server), std::move(connected.source)), marcher->twin(), {}};
 }
 
 ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                         std::function<void()> onNews, const std::stop_token& stop, Backend backend) {
-  Connected connected = connectFrameSource(io, clientSettings(address, transport), std::move(onNews), stop, FunctionOwner::server, backend);
+                         std::function<void()> onNews, const std::stop_token& stop, Backend backend, DecodedPlace place) {
+  Connected connected = connectFrameSource(io, clientSettings(address, transport), std::move(onNews), stop, FunctionOwner::server, backend, place);
   connected.source->setTransport(transport);
   Scene scene = sceneFrom(connected.scene);
   // Ground truth comes as it is, without what is simulated for frames, over a connection of its own. However long that is broken, it is

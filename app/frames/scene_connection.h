@@ -40,13 +40,13 @@ struct ConnectedScene {
   std::string whyNoTruth{};                         ///< why `display` marches nothing; empty where it does
 };
 
-/// Serves `scene` from this process, on a free port of the loopback address, and connects to it. `onNews`: as connectFrameSource's.
+/// Serves `scene` from this process, on a free port of the loopback address, and connects to it. `onNews`, `place`: as connectFrameSource's.
 ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const MarcherPtr& marcher, const TransportSettings& transport,
-                      std::function<void()> onNews, const std::stop_token& stop);
+                      std::function<void()> onNews, const std::stop_token& stop, DecodedPlace place = DecodedPlace::host);
 
 /// The scene of a server elsewhere; `backend` reads tiles that come. Throws as connectFrameSource does.
 ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                         std::function<void()> onNews, const std::stop_token& stop, Backend backend = Backend::cpu);
+                         std::function<void()> onNews, const std::stop_token& stop, Backend backend = Backend::cpu, DecodedPlace place = DecodedPlace::host);
 
 /// What marches for frames that come as `transport` says, one after the other. See makeRemoteMarcher.
 MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,

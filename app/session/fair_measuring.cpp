@@ -47,7 +47,7 @@ class FairWork {
       settings.reference = job.reference;
       FairPoint point{.configuration = configuration, .angles = {}, .pictureSize = job.sizePx};
       for (size_t i = 0; i < cameras.size(); ++i) {
-        const MeasuredPicture picture = measurePicture(Measuring(kRuns, stop), {*warp, settings, job.scene->background}, codec, configuration.codec, job.frame, cameras[i]);
+        const MeasuredPicture picture = measurePicture(Measuring(kRuns, stop), {*warp, settings, job.scene->background, placeFor(*configuration.technique)}, codec, configuration.codec, job.frame, cameras[i]);
         WarpedImage image;
         warp->draw(cameras[i], settings, image, stop);
         point.angles.push_back({kFairAnglesDeg[i], picture.frameMs(), judges[i]->errorsOf(image).flip});

@@ -64,12 +64,13 @@ class PictureOfFrame {
 };
 
 /// What is known of the pixels of the job's picture.
-std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float> flip, const std::stop_token& stop) {
+std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, PictureContent content, Image<float> flip, const std::stop_token& stop) {
   const WarpJob& job = drawn.job;
   const Camera& camera = job.reference->job().camera;
   const bool isShown = camera == job.camera;
-  PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, onHost(job.frame), job.background, job.marks, std::move(flip), std::nullopt};
   // Of a view that passes nobody looks at pixels.
+  const SampleFramePtr frame = isShown || content != PictureContent::picture ? onHost(job.frame) : job.frame;
+  PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, frame, job.background, job.marks, std::move(flip), std::nullopt};
   if (isShown && drawn.plan.way() == PictureWay::technique) pixels.segments = segmentLookOf(*job.technique, pixels.frame.get(), camera, stop);
   return std::make_shared<const PanelPixels>(std::move(pixels));
 }
@@ -122,7 +123,7 @@ std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<voi
       judgement.job = job;
       Image<float> map;
       judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
-      judgement.pixels = pixelsOf(job.drawn, std::move(map), stop);
+      judgement.pixels = pixelsOf(job.drawn, job.content, std::move(map), stop);
       judgement.content = contentOf(job, *judgement.pixels);
       if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
         judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);

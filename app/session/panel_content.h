@@ -26,7 +26,7 @@ struct PanelPixels {
   ShownPicture picture;     ///< that it is about; none where the image is an earlier camera's
   std::shared_ptr<const WarpedImage> image;
   std::shared_ptr<const ReferenceImage> reference;
-  SampleFramePtr frame;     ///< in host memory; null where the technique draws none
+  SampleFramePtr frame;     ///< in host memory where there is a picture or a content to it; null where the technique draws none
   glm::vec3 background{0.0f};
   PixelMarks marks;
   Image<float> flip;

@@ -100,7 +100,7 @@ class Session {
   /// Records frames and the linked camera into a file from now on, in place of one that is there (frames/recording.h); `text` goes with it. Throws InputError
   /// where that cannot be written, an earlier one is still being written to it, or without a scene.
   void startRecording(const std::filesystem::path& file, const std::string& text);
-  /// How many frames are not in the recording, because they came faster than they could be written.
+  /// How many frames are not in the recording, because they came faster than they could be written, or went with their device.
   size_t stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
   /// Whether the end of one that was stopped is still on its way to its file.

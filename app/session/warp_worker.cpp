@@ -73,7 +73,7 @@ class Easel {
                         job.settings == state_.settings;
     if (!isLast) return;
     try {
-      result.timed = measurePicture(Measuring::inWholeRuns(kTimedRuns, stop), {*warp_, job.settings, job.background}, codec_, *job.timedAs, job.frame,
+      result.timed = measurePicture(Measuring::inWholeRuns(kTimedRuns, stop), {*warp_, job.settings, job.background, placeFor(*job.technique)}, codec_, *job.timedAs, job.frame,
                                     job.camera);
     } catch (const OperationCancelled&) {
       throw;  // between two runs: the technique is whole

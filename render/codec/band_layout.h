@@ -41,9 +41,8 @@ struct BandLayout {
 /// Median of two neighbours and the plane through three.
 WARPSCOPE_HD inline int32_t predicted(int32_t west, int32_t north, int32_t northWest) {
   const int32_t low = west < north ? west : north, high = west < north ? north : west;
-  // West and north less north-west, within these: between them it does not overflow.
-  const auto plane = static_cast<int32_t>(static_cast<uint32_t>(west) + static_cast<uint32_t>(north) - static_cast<uint32_t>(northWest));
-  return northWest >= high ? low : northWest <= low ? high : plane;
+  const int32_t within = northWest < low ? low : northWest > high ? high : northWest;  // where the plane ends within both, which no sum of theirs overflows then
+  return static_cast<int32_t>(static_cast<uint32_t>(west) + static_cast<uint32_t>(north) - static_cast<uint32_t>(within));
 }
 
 }  // namespace warpscope

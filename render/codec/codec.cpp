@@ -35,7 +35,7 @@ const CodecDescriptor& descriptorOf(PayloadFormat format) {
 }
 
 /// Planes of numbers are coded on the host.
-bool isForDevices(const SampleFrame& frame, PayloadFormat format) { return descriptorOf(format).isForDevices && std::ranges::all_of(frame.planes, isImplied); }
+bool mayBeAway(const SampleFrame& frame, PayloadFormat format) { return descriptorOf(format).isForDevices && std::ranges::all_of(frame.planes, isImplied); }
 
 /// However a frame ends, nothing of it is under way any more.
 class Begun {
@@ -160,7 +160,7 @@ Codec& FrameCodec::codecFor(PayloadFormat format) {
 
 ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
-  if (frame.isAway && !isForDevices(frame, settings.format)) return encode(onHost(frame), settings);
+  if (frame.isAway && !mayBeAway(frame, settings.format)) return encode(onHost(frame), settings);
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
   ByteVector payload;  // a device may still write to it until nothing is begun any more
@@ -261,7 +261,7 @@ DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::b
   const Begun begun(*coder_);
   const bool hasSegments = parts.bytes.segments > 0;
   if (!cut) {
-    coder_->setPlace(count > 0 && isForDevices(frame, format) ? limits.place : DecodedPlace::host);
+    coder_->setPlace(count > 0 && mayBeAway(frame, format) ? limits.place : DecodedPlace::host);
     // Segments take longer.
     if (hasSegments) segments_->beginToTake(parts.segments, format, limits.maxSegments, frame);
     codec.beginToDecode(parts.samples, count, frame);
@@ -280,7 +280,9 @@ DecodeError FrameCodec::decodeParts(PayloadFormat format, std::span<const std::b
     for (size_t i = 0; i < frame.planes.size(); ++i) {
       if ((frame.planes[i].name == kLayerPlane) != isLayers) continue;
       if (DecodeError error = codec.decodePlane(planeBytes_[i], frame, frame.planes[i])) return error;
-      if (isLayers && !countUp(frame.layers(), frame.settings.sample.samplesPerRay))
+      const int samplesPerRay = frame.settings.sample.samplesPerRay;
+      const bool doCountUp = frame.isAway ? samplesPerRay >= 1 : countUp(frame.layers(), samplesPerRay);  // a device made them of how many there are
+      if (isLayers && !doCountUp)
         return "the frame's layers do not count up along its rays, or its rays have more samples than it says";
     }
   if (!descriptorOf(format).ordersSamples && !areInOrder(frame)) return "the frame's samples are not in pixels of its picture, or not in the order of these";

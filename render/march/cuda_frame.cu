@@ -1,6 +1,8 @@
 // See cuda_frame.h.
 #include "render/march/cuda_frame.h"
 
+#include <algorithm>
+
 #include "render/cuda/pinned_memory.h"
 #include "render/march/compact.h"
 
@@ -39,7 +41,11 @@ void CudaFrame::copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& cop
   if (sizes_.hasSpreads) fetch(spreads, from.spreads, sizes_.samples, stream);
   copied.record(stream);
   copied.synchronize();
-  setLayers(std::move(layers), frame);
+  const auto plane = std::ranges::find(frame.planes, kLayerPlane, &SamplePlane::name);
+  if (plane != frame.planes.end())
+    plane->values = std::move(layers);  // whose head said that there is one, whatever is in it
+  else
+    setLayers(std::move(layers), frame);
   if (sizes_.hasSpreads) setSpreads(std::move(spreads), frame);
 }
 

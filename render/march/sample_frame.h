@@ -43,7 +43,7 @@ struct SampleFrame {
   FrameSegments segments;                ///< of the same rays, where the settings ask for some
   ProxyPtr proxy;                        ///< what the frame is of, coarsely: the same object for all frames of a scene; null where nobody asked for it
   FrameOnDevicePtr device;               ///< where samples, colours, layers and segments are as well; null: nowhere. Who changes them here takes it away
-  bool isAway = false;                   ///< they are there alone (Marcher::marchToCode): vectors of them are empty
+  bool isAway = false;                   ///< they are there alone (Marcher::marchToCode, DecodedPlace::device): vectors of them are empty
 
   size_t size() const { return isAway ? device->sampleCount() : samples.size(); }
   /// What the frame's samples take on the wire in this format; of one that is away, nothing.

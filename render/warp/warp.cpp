@@ -129,13 +129,12 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
     WarpResources bound = resources;
     bound.backend = backend;
     std::unique_ptr<Warp> warp = descriptor.make(bound);
-    const bool takesFramesThatAreAway = backend == Backend::cuda && descriptor.runsOnCuda;
-    return takesFramesThatAreAway ? std::move(warp) : makeHostFrameWarp(std::move(warp));
+    return backend == Backend::cuda && descriptor.runsOnCuda ? std::move(warp) : makeHostFrameWarp(std::move(warp));
   };
   // One device for all that are made so: of each frame that is kept there is one.
-  const auto make = [backend = resources.backend, onFallback = resources.onFallback, makeOn, hasFailed = std::make_shared<bool>(false)] {
+  const auto make = [&descriptor, backend = resources.backend, onFallback = resources.onFallback, makeOn, hasFailed = std::make_shared<bool>(false)] {
     if (backend != Backend::automatic) return makeOn(backend);
-    if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
+    if (!descriptor.runsOnCuda || !cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
     return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, onFallback, hasFailed);
   };
   return leavesGaps(descriptor) ? makeCompletedWarp(descriptor, make) : make();

@@ -254,6 +254,34 @@ TEST_F(CodecOnDevice, SamplesWithoutARadiusAreKnown) {
   expectSame(frame, "the last has none");
 }
 
+/// A stream without values, and models of no layer.
+TEST_F(CodecOnDevice, RaysThatEndedWithoutASegment) {
+  for (const auto& [width, height] : {std::pair(1u, 1u), std::pair(200u, 90u)})
+    for (const bool isFirst : {true, false}) {
+      if (isFirst) onDevice_ = std::make_unique<FrameCodec>(makeCudaTiledCoder());
+      MarchSettings settings;
+      settings.sample.segments = 3;
+      SampleFrame frame = marched(shells(), {}, width, height);
+      frame.settings = settings;
+      frame.settings.sample.proxy = 0;
+      frame.segments.rays.assign(size_t{width} * height, RaySegmentCount(0, true));
+      expectSame(frame, std::to_string(width));
+    }
+}
+
+/// Whoever says that there may be several samples a ray, and sends one.
+TEST_F(CodecOnDevice, LayersOfRaysWithOneSampleEach) {
+  SampleFrame frame = marched(shells(), {}, 90, 70);
+  frame.settings.sample.samplesPerRay = 2;
+  frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, TransferVector<std::byte>(frame.size())});
+  expectSame(frame, "zeros");
+  frame.settings.sample.samplesPerRay = 0;
+  SampleFrame there = headOf(frame);
+  frame.settings.sample.samplesPerRay = 1;
+  const ByteVector payload = FrameCodec().encode(frame, kTiled);
+  EXPECT_NE(onDevice_->decode(payload, frame.size(), there, {.place = DecodedPlace::device}), std::nullopt);
+}
+
 /// Of a frame that is nowhere else.
 TEST_F(CodecOnDevice, SpheresThatStandForAllAreThoseOfTheHost) {
   const MarcherPtr marcher = makeCudaMarcher(shells(), translucent(*shells()));

@@ -40,8 +40,8 @@ WARPSCOPE_HD inline uint32_t ansPut(uint32_t state, const AnsShare& share) {
 /// 1 + 1 / frequency below 2^32 / frequency and a state less than 2^32.
 WARPSCOPE_HD inline uint32_t ansReciprocal(uint32_t frequency) { return frequency > 0 ? ~0u / frequency : 0; }
 
-/// What a writer does with a symbol, for those that divide slowly: less than kAnsScale. The quotient of any word by the frequency is the upper half of one product and
-/// sum, shifted (Robison 2005, "N-bit unsigned division via N-bit multiply-add").
+/// What a writer does with a symbol, for those that divide slowly. The quotient of any word by the frequency is the upper half of one product and sum, shifted (Robison
+/// 2005, "N-bit unsigned division via N-bit multiply-add"). Only symbols that occur, in models of more than one, are put: with a frequency of 1 to kAnsScale - 1.
 struct AnsWriterShare {
   uint32_t multiplier = 0;
   uint32_t parts = 0;  ///< from below: start (12 bits), frequency (13), shift (4), whether the multiplier is added (1)
@@ -49,8 +49,8 @@ struct AnsWriterShare {
   static constexpr uint32_t kFrequencyAt = kAnsBits, kShiftAt = 2 * kAnsBits + 1, kAddsAt = kShiftAt + 4;
 
   WARPSCOPE_HD static AnsWriterShare of(const AnsShare& share) {
+    if (share.frequency == 0) return {};
     AnsWriterShare own{0, share.start | share.frequency << kFrequencyAt};
-    if (share.frequency == 0) return own;
     uint32_t shift = 0;
     while (share.frequency >> (shift + 1) != 0) ++shift;
     own.parts |= shift << kShiftAt;

@@ -63,9 +63,9 @@ __device__ void fromTheEnd(const T* symbols, uint32_t size, const Prepare& prepa
   const uint32_t some = (steps - 1) % kAhead + 1;
   T loaded[kAhead], next[kAhead];
   Ready ready[kAhead];
-  const auto lookAtNext = [&](uint32_t steps) {
-    if (steps == 0) return;
-    const T* const last = symbols + (steps - 1) * 32 + lane;
+  const auto lookAtNext = [&](uint32_t left) {
+    if (left == 0) return;
+    const T* const last = symbols + (left - 1) * 32 + lane;
 #pragma unroll
     for (uint32_t k = 0; k < kAhead; ++k) next[k] = *(last - k * 32);
   };

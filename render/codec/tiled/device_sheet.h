@@ -119,6 +119,7 @@ class DeviceSheet {
   cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, rowRanks_, numbers_, flags_, histograms_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
   cuda::DeviceBuffer<uint16_t> frequencies_, words_, packed_;
   cuda::DeviceBuffer<int> kinds_;  ///< of models that are read
+  uint32_t models_ = 0;            ///< that there are of those
   cuda::DeviceBuffer<AnsWriterShare> shares_;
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;

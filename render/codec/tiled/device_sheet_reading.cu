@@ -46,6 +46,7 @@ constexpr unsigned kReadingThreads = 32 * kTilesOfBlock;
 struct ReaderModels {
   const uint32_t* slots;
   const int* kinds;
+  uint32_t count;  ///< that there are: not always those of any layer, though a tile has a stream
 };
 
 class BlockModels {
@@ -83,7 +84,7 @@ class BlockModels {
   static constexpr uint32_t kOwn = kAnsScale / 4 / kReadingThreads;
 
   __device__ void look(uint32_t model) {
-    nextKind_ = models_.kinds[model];
+    nextKind_ = model < models_.count ? models_.kinds[model] : kEmptyModel;
     if (nextKind_ != kUsualModel) return;
     const auto* const from = reinterpret_cast<const uint4*>(models_.slots + size_t{model} * kAnsScale) + threadIdx.x;
 #pragma unroll
@@ -264,6 +265,7 @@ bool DeviceSheet::upload(const SheetHead& head) {
   frequencies_.reserve(models * kAnsSymbols);
   slots_.reserve(models * kAnsScale);
   kinds_.reserve(models);
+  models_ = static_cast<uint32_t>(models);
   reads_.reserve(streams);
   packed_.reserve(bytes / 2 + 1);
   laneStates_.reserve(size_t{tiles} * kAnsLanes);
@@ -281,12 +283,12 @@ bool DeviceSheet::upload(const SheetHead& head) {
 }
 
 void DeviceSheet::takeShapes(uint32_t most, uint8_t* rays) {
-  readShapes<<<cuda::blocksFor(view_.tiles(), kTilesOfBlock), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data()}, reads_.data(), packed_.data(), most, rays, laneStates_.data(), bad_.data());
+  readShapes<<<cuda::blocksFor(view_.tiles(), kTilesOfBlock), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data(), models_}, reads_.data(), packed_.data(), most, rays, laneStates_.data(), bad_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
 void DeviceSheet::takePlanes() {
-  readPlanes<<<dim3(cuda::blocksFor(view_.tiles(), kTilesOfBlock), view_.layers), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data()}, reads_.data(), packed_.data(), laneStates_.data(), bad_.data());
+  readPlanes<<<dim3(cuda::blocksFor(view_.tiles(), kTilesOfBlock), view_.layers), kReadingThreads, 0, stream_>>>(view_, {slots_.data(), kinds_.data(), models_}, reads_.data(), packed_.data(), laneStates_.data(), bad_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -81,6 +81,7 @@ __global__ void __launch_bounds__(kCodedTileWidth) finishSamples(SampleView fram
   if (!view.isFull() || (*view.flags & ~static_cast<uint32_t>(kWithoutRadius)) != 0) return;
   const TileRect rect = view.grid.at(blockIdx.x);
   uint64_t own = 0;
+  bool lacksRadius = false;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t layer, uint32_t i, uint32_t at) {
     const auto take = [&](SampleNumbers plane) { return view.numbers[size_t{planeOf(plane)} * view.values + at]; };
     const uint32_t likely = depthCodeOnPath(path, static_cast<int32_t>(frame.places[at]), frame.paths.step, frame.paths.depthStep, frame.paths.placement);
@@ -88,13 +89,14 @@ __global__ void __launch_bounds__(kCodedTileWidth) finishSamples(SampleView fram
     const Rgba8 color = frame.streamColors[at];
     const uint32_t radius =
         frame.isAsBefore ? frame.radii[at] : (frame.likelyRadius(code, color) + static_cast<uint32_t>(unzigzag(take(SampleNumbers::radius)))) & kRadiusCodeMax;
-    if (radius == 0) atomicOr(view.flags, kWithoutRadius);
+    lacksRadius |= radius == 0;
     const PackedSample sample = packCodes(rect.x0 + threadIdx.x, rect.y0 + blockIdx.y, code, radius);
     frame.samples[i] = sample;
     frame.colors[i] = color;
     if (frame.layers != nullptr) frame.layers[i] = static_cast<uint8_t>(layer);
     own += placedHash(sample, i);
   });
+  if (lacksRadius) atomicOr(view.flags, kWithoutRadius);
   addHash(own, hash);
 }
 

@@ -187,7 +187,7 @@ __global__ void __launch_bounds__(kPuttingThreads) putDifferences(const __grid_c
   }
 }
 
-/// Makes values of differences, in place. `masks`: what the layer covers; `first`: of the calling thread's row among the words. `origins`: of places.
+/// Makes values of differences, in place. `masks`: what the layer covers. `origins`: of places.
 template <class Rule>
 __device__ void goThroughTile(const TileRect& rect, const LayerMasks& masks, uint32_t* words, const int32_t* origins, const Rule& rule) {
   const uint32_t row = threadIdx.x % 32;

@@ -9,6 +9,19 @@
 #include "render/codec/tiled/covered_bits.h"
 
 namespace warpscope {
+namespace {
+
+/// Of pixels beside one another, all but the first, whose number in the layer is `first`. Slots are those of the first, and of the pixel above it.
+void findInRun(const uint32_t* __restrict__ above, uint32_t* __restrict__ own, uint32_t first, uint32_t count, Neighbors* __restrict__ neighbors) {
+  for (uint32_t i = 1; i < count; ++i) {
+    const uint32_t west = first + i;
+    const uint32_t north = above[i] == 0 ? west : above[i];
+    neighbors[i] = {west, north, above[i - 1] == 0 ? north : above[i - 1]};
+    own[i] = west + 1;
+  }
+}
+
+}  // namespace
 
 void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
   tile_ = tile;
@@ -24,7 +37,17 @@ void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
   for (uint32_t y = 0; y < tile.height; ++y)
     for (uint32_t begin = 0; begin < tile.width; begin += 8) {
       const uint32_t first = y * tile.width + begin;
-      for (uint32_t bits = coveredBits(count + first, std::min(tile.width - begin, 8u)); bits != 0; bits &= bits - 1) {
+      uint32_t bits = coveredBits(count + first, std::min(tile.width - begin, 8u));
+      if (bits == 0xff) {
+        for (uint32_t i = 0; i < 8; ++i) {
+          pixelOf[k + i] = first + i;
+          columnOf[k + i] = tile.x0 + begin + i;
+          rowOf[k + i] = tile.y0 + y;
+        }
+        k += 8;
+        continue;
+      }
+      for (; bits != 0; bits &= bits - 1) {
         const auto i = static_cast<uint32_t>(std::countr_zero(bits));
         pixelOf[k] = first + i;
         columnOf[k] = tile.x0 + begin + i;
@@ -59,22 +82,23 @@ void TileLayer::findNeighbors() {
   rowBegins_.resize(tile_.height + 1);
   const auto size = static_cast<uint32_t>(pixels_.size());
   neighbors_.resize(size);
-  uint32_t row = 0, behindLast = 0;  // one place behind the last pixel's
+  uint32_t row = 0;
   rowBegins_[0] = 0;
-  for (uint32_t k = 0; k < size; ++k) {
+  for (uint32_t k = 0; k < size;) {
     const uint32_t x = columns_[k] - tile_.x0, y = rows_[k] - tile_.y0;
     while (row < y) rowBegins_[++row] = k;
-    const uint32_t place = stride * (y + 1) + x + 1;
-    uint32_t* const slot = slots_.data() + place;
-    // Of the western neighbour, which is the last pixel if it is any, nothing is loaded: it has just been stored.
-    uint32_t west = place == behindLast ? k : 0, north = *(slot - stride), northWest = *(slot - stride - 1);
-    behindLast = place + 1;
-    if (west == 0) west = north;
-    if (north == 0) north = west;
-    if (west == 0) west = north = k > rowBegins_[y] ? k : slotAbove(x, y);
+    uint32_t end = k + 1;  // of pixels beside one another
+    while (end < size && pixels_[end] == pixels_[end - 1] + 1 && columns_[end] > columns_[k]) ++end;
+    const uint32_t* const above = slots_.data() + stride * y + x + 1;
+    uint32_t* const own = slots_.data() + stride * (y + 1) + x + 1;
+    // The first has none to its west.
+    uint32_t north = above[0], northWest = *(above - 1);
+    if (north == 0) north = k > rowBegins_[y] ? k : slotAbove(x, y);
     if (northWest == 0) northWest = north;
-    neighbors_[k] = {west, north, northWest};
-    *slot = k + 1;
+    neighbors_[k] = {north, north, northWest};
+    own[0] = k + 1;
+    findInRun(above, own, k, end - k, neighbors_.data() + k);
+    k = end;
   }
   while (row < tile_.height) rowBegins_[++row] = size;
 }

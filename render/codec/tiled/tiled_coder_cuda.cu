@@ -90,7 +90,7 @@ class CudaTiledCoder final : public TiledCoder {
 
   void beginToTakeSegments(ByteReader reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame) override {
     if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
-    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held(), place_);
+    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held(), heldPlace_);
     placements_.borders = placement;
     begunSegments_ = &frame;
     mayGoOn_ = true;
@@ -98,7 +98,7 @@ class CudaTiledCoder final : public TiledCoder {
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
     if (tiledGridOf(frame, count).count() > 0) {
-      error_ = worker().samples.beginToTake(reader, placement, count, frame, held(), place_);
+      error_ = worker().samples.beginToTake(reader, placement, count, frame, held(), heldPlace_);
       placements_.samples = placement;
       begunSamples_ = &frame;
     }
@@ -114,7 +114,7 @@ class CudaTiledCoder final : public TiledCoder {
     if (!error_) {
       held().setPlacements(placements_);
       frame.device = std::move(held_);
-      frame.isAway = place_ == DecodedPlace::device;
+      frame.isAway = heldPlace_ == DecodedPlace::device;
     }
     leave();
     return std::exchange(error_, std::nullopt);
@@ -163,7 +163,10 @@ class CudaTiledCoder final : public TiledCoder {
   }
   /// What is decoded, where techniques of the device find it.
   CudaFrame& held() {
-    if (!held_) held_ = std::make_shared<CudaFrame>(frames_);
+    if (!held_) {
+      held_ = std::make_shared<CudaFrame>(frames_);
+      heldPlace_ = place_;
+    }
     return *held_;
   }
   void leave() {
@@ -180,7 +183,7 @@ class CudaTiledCoder final : public TiledCoder {
   std::shared_ptr<CudaFrame> held_;  // of the frame that is read
   const SampleFrame *begunSegments_ = nullptr, *begunSamples_ = nullptr;  // whose are under way; null: nobody's
   std::vector<SummedWords> summed_;
-  DecodedPlace place_ = DecodedPlace::host;
+  DecodedPlace place_ = DecodedPlace::host, heldPlace_ = DecodedPlace::host;  // of frames to come; of the one that is read
   FramePlacements placements_;        // of what is read
   bool mayGoOn_ = false;              // segments are begun, and nobody has gone on with them
   DecodeError segmentError_, error_;  // of segments and samples, while they are read

@@ -21,10 +21,20 @@ bool hasStreams(const SheetTile& tile) {
 
 template <class T, class SymbolOf>
 void count(std::span<const T> values, CountsInTurns& counts, const SymbolOf& symbolOf) {
+  constexpr size_t kAtOnce = 8;
+  uint32_t zeros = 0;  // by far the most, and often all of a plane; the symbol of a zero is 0
   size_t i = 0;
-  for (; i + counts.size() <= values.size(); i += counts.size())
-    for (size_t turn = 0; turn < counts.size(); ++turn) ++counts[turn][symbolOf(values[i + turn])];
+  for (; i + kAtOnce <= values.size(); i += kAtOnce) {
+    T any = 0;
+    for (size_t k = 0; k < kAtOnce; ++k) any |= values[i + k];
+    if (any == 0) {
+      zeros += kAtOnce;
+      continue;
+    }
+    for (size_t k = 0; k < kAtOnce; ++k) ++counts[k % counts.size()][symbolOf(values[i + k])];
+  }
   for (; i < values.size(); ++i) ++counts[0][symbolOf(values[i])];
+  counts[0][0] += zeros;
 }
 
 /// Of all models in their order.
