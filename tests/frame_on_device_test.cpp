@@ -20,7 +20,11 @@ std::vector<SampleFrame> framesOfAllKinds() {
   lit.sample.segments = 3;
   lit.render.effects.shading.strength = 1.0f;
   spread.sample.sendsSpread = true;
-  return {marched(shells(), {}, 80, 50), marched(shells(), lit, 70, 40), marched(shells(), spread, 40, 30), smallLayeredFrame(), garbageFrame(64, 48, 0, 0)};
+  // Whoever says that there may be several samples a ray, and sends one.
+  SampleFrame zeros = marched(shells(), {}, 60, 40);
+  zeros.settings.sample.samplesPerRay = 2;
+  zeros.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, TransferVector<std::byte>(zeros.size(), std::byte{0})});
+  return {std::move(zeros), marched(shells(), {}, 80, 50), marched(shells(), lit, 70, 40), marched(shells(), spread, 40, 30), smallLayeredFrame(), garbageFrame(64, 48, 0, 0)};
 }
 
 TEST(FrameOnDevice, IsTheSameFrameOnceItIsHere) {
@@ -71,17 +75,19 @@ TEST(FrameOnDevice, IsBroughtHereOnceForAllWhoAsk) {
   EXPECT_TRUE(areSame(*brought, *here));
   EXPECT_EQ(onHost(left), brought);
   std::vector<std::thread> threads;
-  const auto fresh = std::make_shared<const SampleFrame>(*left);
+  auto fresh = std::make_shared<const SampleFrame>(*left);
   std::vector<SampleFramePtr> got(8);
   for (SampleFramePtr& one : got) threads.emplace_back([&one, &fresh] { one = onHost(fresh); });
   for (std::thread& thread : threads) thread.join();
   for (const SampleFramePtr& one : got) EXPECT_EQ(one, got.front());
+  fresh.reset();
+  got.clear();
   // The same samples in another frame: who asks gets that one's settings.
   auto other = std::make_shared<SampleFrame>(*left);
   other->functionVersion = 7;
   EXPECT_EQ(onHost(SampleFramePtr(other))->functionVersion, 7u);
   EXPECT_EQ(onHost(left)->functionVersion, 0u);
-  // It goes with the frame.
+  // It goes with the frame that it is of, and all others of the same samples.
   const std::weak_ptr<const SampleFrame> last = onHost(left);
   EXPECT_FALSE(last.expired());
   left.reset();

@@ -70,7 +70,7 @@ std::string KeptFiles::endRecording(Session& session) {
     remembered_.addFile(recordedFile_);
     note = "recorded " + std::exchange(recordedFile_, {}).string() + "; File > Open again shows it, and then File > Export film makes a film of it";
   }
-  if (leftOut > 0) note += "; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it";
+  if (leftOut > 0) note += "; " + std::to_string(leftOut) + " frames are not in it: they came faster than they could be written, or went with their device";
   return note;
 }
 

@@ -49,7 +49,7 @@ using FrameOnDevicePtr = std::shared_ptr<const FrameOnDevice>;
 
 /// The same frame where what it holds is away, in host memory alone. Throws DeviceError.
 SampleFrame onHost(const SampleFrame& frame);
-/// The frame itself where it is here, or null; else a copy as above, made once for all who ask while there is that frame. Safe on any thread. Throws DeviceError.
+/// The frame itself where it is here, or null; else a copy as above, made once for all who ask, until another frame of the same samples is asked for or the last of them goes. Safe on any thread. Throws DeviceError.
 std::shared_ptr<const SampleFrame> onHost(const std::shared_ptr<const SampleFrame>& frame);
 
 }  // namespace warpscope

@@ -273,7 +273,7 @@ TEST_F(CodecOnDevice, RaysThatEndedWithoutASegment) {
 TEST_F(CodecOnDevice, LayersOfRaysWithOneSampleEach) {
   SampleFrame frame = marched(shells(), {}, 90, 70);
   frame.settings.sample.samplesPerRay = 2;
-  frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, TransferVector<std::byte>(frame.size())});
+  frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, TransferVector<std::byte>(frame.size(), std::byte{0})});
   expectSame(frame, "zeros");
   frame.settings.sample.samplesPerRay = 0;
   SampleFrame there = headOf(frame);

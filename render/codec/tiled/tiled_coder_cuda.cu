@@ -90,7 +90,8 @@ class CudaTiledCoder final : public TiledCoder {
 
   void beginToTakeSegments(ByteReader reader, Placement placement, bool hasNormals, size_t most, const SampleFrame& frame) override {
     if (begunSegments_ != nullptr || (begunSamples_ != nullptr && begunSamples_ != &frame)) endBegun();
-    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, held(), heldPlace_);
+    CudaFrame& to = held();  // says where it stays
+    segmentError_ = worker().segments.beginToTake(reader, placement, hasNormals, most, frame, to, heldPlace_);
     placements_.borders = placement;
     begunSegments_ = &frame;
     mayGoOn_ = true;
@@ -98,7 +99,8 @@ class CudaTiledCoder final : public TiledCoder {
   void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
     if (begunSamples_ != nullptr || (begunSegments_ != nullptr && begunSegments_ != &frame)) endBegun();
     if (tiledGridOf(frame, count).count() > 0) {
-      error_ = worker().samples.beginToTake(reader, placement, count, frame, held(), heldPlace_);
+      CudaFrame& to = held();
+      error_ = worker().samples.beginToTake(reader, placement, count, frame, to, heldPlace_);
       placements_.samples = placement;
       begunSamples_ = &frame;
     }
