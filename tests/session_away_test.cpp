@@ -73,8 +73,16 @@ TEST_F(SessionAway, ShowsWhatItShowsOfFramesThatAreHere) {
       if (expected.shownContent.picture.host) EXPECT_TRUE(*shown.shownContent.picture.host == *expected.shownContent.picture.host) << i << ", " << describe(content).name;
     }
   }
+  for (Session* const session : {&here, &there}) {
+    turn(*session, 25.0);
+    ASSERT_TRUE(settle(*session));
+  }
   ASSERT_TRUE(there.frames().newest()->isAway);
-  EXPECT_EQ(there.frames().newest()->size(), here.frames().newest()->size());
+  EXPECT_EQ(onHost(there.frames().newest())->samples, here.frames().newest()->samples);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(there.panel(i).errors->flip, here.panel(i).errors->flip) << i;
+    EXPECT_EQ(there.panel(i).errors->holeFraction, here.panel(i).errors->holeFraction) << i;
+  }
 }
 
 TEST_F(SessionAway, ShortcutsRaysAndMeasuredPicturesWork) {
