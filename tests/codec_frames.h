@@ -36,6 +36,12 @@ inline SampleFrame headOf(const SampleFrame& frame) {
   return head;
 }
 
+/// Whether all is the same that a frame's vectors hold.
+inline bool areSame(const SampleFrame& a, const SampleFrame& b) {
+  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths &&
+         a.segments.colors == b.segments.colors && a.segments.normals == b.segments.normals;
+}
+
 /// Empty if what comes back is what went in: samples, planes and alpha always, colours where the settings promise it.
 inline std::string roundTrip(const SampleFrame& frame, const CodecSettings& settings) {
   FrameCodec codec;

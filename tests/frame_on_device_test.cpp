@@ -61,11 +61,6 @@ TEST(FrameOnDevice, ThatIsLostIsADevicesError) {
     EXPECT_THROW(FrameCodec().encode(leftOnDevice(marched(shells(), {}, 80, 50), true), settings), DeviceError) << nameOf(settings.format);
 }
 
-bool areSame(const SampleFrame& a, const SampleFrame& b) {
-  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths &&
-         a.segments.colors == b.segments.colors && a.segments.normals == b.segments.normals;
-}
-
 TEST(FrameOnDevice, IsBroughtHereOnceForAllWhoAsk) {
   const auto here = std::make_shared<const SampleFrame>(marched(shells(), {}, 80, 50));
   EXPECT_EQ(onHost(here), here);

@@ -29,11 +29,6 @@ class CodecOnDevice : public testing::Test {
     onDevice_ = std::make_unique<FrameCodec>(makeCudaTiledCoder());
   }
 
-  static bool areSame(const SampleFrame& a, const SampleFrame& b) {
-    return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths &&
-           a.segments.colors == b.segments.colors && a.segments.normals == b.segments.normals;
-  }
-
   void expectSame(const SampleFrame& frame, const std::string& what) {
     const ByteVector payload = FrameCodec().encode(frame, kTiled);
     EXPECT_TRUE(onDevice_->encode(frame, kTiled) == payload) << what;
