@@ -107,19 +107,28 @@ class SessionTest : public ::testing::Test {
     return false;
   }
 
-  /// Until everything that is shown belongs to the current camera.
+  /// Until everything that is shown belongs to the current camera, errors also where the ground truth follows the camera.
   bool settle() { return settle(session_); }
   bool settle(Session& session) {
-    return pumpUntil(session, [&] {
-      for (size_t i = 0; i < session.panelCount(); ++i) {
-        const Panel& panel = session.panel(i);
-        if (panel.isHidden) continue;
-        if (!panel.picture || panel.drawn != panel.technique) return false;
-        if (!panel.isContentFound()) return false;
-        if (!panel.errorsAreCurrent || session.ageMs(i, clock_.now()).value_or(0.0) != 0.0) return false;
-      }
-      return true;
-    });
+    return pumpUntil(session, [&] { return isJudged(session) && isOfNewFrame(session); });
+  }
+  /// Every panel's picture is of the current camera, by whatever frame there is, and judged.
+  static bool isJudged(const Session& session) {
+    for (size_t i = 0; i < session.panelCount(); ++i) {
+      const Panel& panel = session.panel(i);
+      if (panel.isHidden) continue;
+      if (!panel.picture || panel.drawn != panel.technique || !panel.isContentFound()) return false;
+      const PanelPixels* const judged = panel.currentPixels();
+      if (!panel.errorsAreCurrent || judged == nullptr) return false;
+      const Camera& camera = judged->reference->job().camera;
+      if (camera != makeCamera(*session.scene(), session.view(i), camera.width, camera.height)) return false;
+    }
+    return true;
+  }
+  bool isOfNewFrame(const Session& session) const {
+    for (size_t i = 0; i < session.panelCount(); ++i)
+      if (!session.panel(i).isHidden && session.ageMs(i, clock_.now()).value_or(0.0) != 0.0) return false;
+    return true;
   }
 
   bool open(const std::string& name) {
