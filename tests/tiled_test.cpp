@@ -73,12 +73,18 @@ TEST(TileLayer, NeighboursAreThoseOfTheRule) {
     layer.begin(rect, counts);
     for (uint32_t l = 0;; ++l) {
       std::vector<uint32_t> slots(rect.pixels(), 0);
+      std::vector<Neighbors> neighbors;
+      forEachNeighbors(layer.runs(), [&](size_t own, const Neighbors& from) {
+        EXPECT_EQ(own, neighbors.size());
+        neighbors.push_back(from);
+      });
+      ASSERT_EQ(neighbors.size(), layer.size());
       size_t k = 0;
       for (uint32_t pixel = 0; pixel < rect.pixels(); ++pixel) {
         if (counts[pixel] <= l) continue;
         const auto x = static_cast<int>(pixel % rect.width), y = static_cast<int>(pixel / rect.width);
         ASSERT_LT(k, layer.size());
-        ASSERT_EQ(layer.pixels()[k], pixel);
+        ASSERT_EQ(layer.pixelOf(k), pixel);
         ASSERT_EQ(layer.columns()[k], rect.x0 + static_cast<uint32_t>(x));
         ASSERT_EQ(layer.rows()[k], rect.y0 + static_cast<uint32_t>(y));
         const auto slotAt = [&](int column, int row) { return column < 0 || row < 0 ? 0u : slots[static_cast<size_t>(row) * rect.width + static_cast<size_t>(column)]; };
@@ -87,7 +93,7 @@ TEST(TileLayer, NeighboursAreThoseOfTheRule) {
         if (north == 0) north = west;
         if (west == 0) west = north = SeenRule{rect, slots}.at(x, y);
         if (northWest == 0) northWest = north;
-        const Neighbors own = layer.neighbors()[k];
+        const Neighbors own = neighbors[k];
         ASSERT_EQ(own.west, west) << round << ", " << l << ": " << x << ", " << y;
         ASSERT_EQ(own.north, north);
         ASSERT_EQ(own.northWest, northWest);

@@ -13,6 +13,18 @@ namespace warpscope {
 /// Samples to predict from, as their number in the layer plus one: slot 0 stands for none and holds a zero.
 struct Neighbors {
   uint32_t west, north, northWest;
+
+  /// Each that many further on.
+  Neighbors behind(uint32_t count) const { return {west + count, north + count, northWest + count}; }
+  bool operator==(const Neighbors&) const = default;
+};
+
+/// Samples one after the other whose neighbours are one after the other as well, western ones those right before them. Alone a sample has any neighbours.
+struct NeighborRun {
+  uint32_t begin, size;  ///< number of the first; how many
+  Neighbors first;       ///< of the first
+
+  Neighbors at(uint32_t i) const { return first.behind(i); }
 };
 
 /// The pixels that have samples, as a rectangle. x0 is a multiple of 8.
@@ -26,7 +38,7 @@ struct CoveredArea {
 
 struct BandLayout {
   TransferVector<uint32_t> columns, rows;  ///< pixel of each sample; rows count from the picture's first
-  TransferVector<Neighbors> neighbors;     ///< of each sample
+  TransferVector<NeighborRun> runs;        ///< of all samples, one after the other
   CoveredArea area;
 
   size_t size() const { return columns.size(); }

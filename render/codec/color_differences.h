@@ -5,25 +5,29 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
 
-#include "render/codec/band_layout.h"
+#include "render/codec/neighbor_runs.h"
 #include "render/core/color.h"
 
 namespace warpscope {
 
 inline int32_t channel(Rgba8 color, int shift) { return static_cast<int32_t>(color >> shift & 255); }
 
-inline int32_t predictedChannel(const Rgba8* slots, const Neighbors& from, int shift) {
-  return predicted(channel(slots[from.west], shift), channel(slots[from.north], shift), channel(slots[from.northWest], shift));
+inline int32_t predictedChannel(Rgba8 west, Rgba8 north, Rgba8 northWest, int shift) {
+  return predicted(channel(west, shift), channel(north, shift), channel(northWest, shift));
 }
 
 /// All channels of a colour at once, each of which wraps around.
 class ColorChannels {
  public:
+  ColorChannels() : ColorChannels(Rgba8{0}) {}
+  explicit operator Rgba8() const { return color(); }
+
 #if defined(__SSE2__)
   explicit ColorChannels(Rgba8 color) : bytes_(_mm_cvtsi32_si128(static_cast<int>(color))) {}
   Rgba8 color() const { return static_cast<Rgba8>(_mm_cvtsi128_si32(bytes_)); }
@@ -68,22 +72,20 @@ class ColorChannels {
 
 // Loops over all samples read and write through locals only: what they write cannot be what they read then.
 
-/// Differences of `count` samples' opacities from their prediction; `slots` are their colours, one place on.
-inline void putAlpha(const Rgba8* slots, const Neighbors* neighbors, size_t count, uint8_t* alpha) {
-  for (size_t i = 0; i < count; ++i)
-    alpha[i] = static_cast<uint8_t>(channel(slots[i + 1], 24) - predictedChannel(slots, neighbors[i], 24));
+/// Differences of samples' opacities from their prediction; `slots` are their colours, one place on.
+inline void putAlpha(const Rgba8* slots, std::span<const NeighborRun> runs, uint8_t* __restrict__ alpha) {
+  for (const NeighborRun& run : runs) {
+    const RunSlots from(slots, run);
+    for (size_t i = 0; i < run.size; ++i)
+      alpha[run.begin + i] = static_cast<uint8_t>(channel(slots[run.begin + i + 1], 24) - predictedChannel(from.west[i], from.north[i], from.northWest[i], 24));
+  }
 }
 
 /// Makes colours of opacity alone.
-inline void takeAlpha(const uint8_t* alpha, const Neighbors* neighbors, size_t count, Rgba8* slots) {
-  Rgba8 last = 0;  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
-  for (size_t i = 0; i < count; ++i) {
-    const Neighbors from = neighbors[i];
-    const int32_t west = channel(from.west == i ? last : slots[from.west], 24), north = channel(slots[from.north], 24);
-    const int32_t likely = predicted(west, north, channel(slots[from.northWest], 24));
-    last = static_cast<Rgba8>((alpha[i] + likely) & 255) << 24;
-    slots[i + 1] = last;
-  }
+inline void takeAlpha(const uint8_t* alpha, std::span<const NeighborRun> runs, Rgba8* slots) {
+  makeFromNeighbors(runs, making(slots, [alpha](size_t k, Rgba8 west, Rgba8 north, Rgba8 northWest) {
+    return static_cast<Rgba8>((alpha[k] + predictedChannel(west, north, northWest, 24)) & 255) << 24;
+  }));
 }
 
 /// Differences of opacities and colours from their prediction, a plane each; green's is taken off red's and blue's.
@@ -94,40 +96,56 @@ struct ColorDifferences {
   uint8_t* blue;
 };
 
-/// Of `count` samples; `slots` are their colours, one place on.
-inline void putColors(const Rgba8* slots, const Neighbors* neighbors, size_t count, ColorDifferences out) {
-  constexpr size_t kAtOnce = 16;  // so that planes are told apart in vectors
-  Rgba8 differences[kAtOnce];
-  for (size_t begin = 0; begin < count; begin += kAtOnce) {
-    const size_t size = std::min(count - begin, kAtOnce);
-    for (size_t i = 0; i < size; ++i) {
-      const Neighbors from = neighbors[begin + i];
-      const ColorChannels likely = ColorChannels::predicted(ColorChannels(slots[from.west]), ColorChannels(slots[from.north]), ColorChannels(slots[from.northWest]));
-      differences[i] = (ColorChannels(slots[begin + i + 1]) - likely).color();
-    }
-    for (size_t i = 0; i < size; ++i) {
-      const Rgba8 difference = differences[i], green = difference >> 8;
-      out.alpha[begin + i] = static_cast<uint8_t>(difference >> 24);
-      out.green[begin + i] = static_cast<uint8_t>(green);
-      out.red[begin + i] = static_cast<uint8_t>(difference - green);
-      out.blue[begin + i] = static_cast<uint8_t>((difference >> 16) - green);
-    }
+/// Differences of colours are made so many at a time: behind the last ones of all as many more may be read, and written to.
+inline constexpr size_t kSpareColors = 16;
+
+/// Differences of kSpareColors colours, channel by channel, each of which wraps around: as ColorChannels predicts.
+inline void subtractPredicted(const Rgba8* own, const Rgba8* west, const Rgba8* north, const Rgba8* northWest, Rgba8* __restrict__ differences) {
+  const auto bytesOf = [](const Rgba8* colors) { return reinterpret_cast<const uint8_t*>(colors); };
+  const uint8_t *const o = bytesOf(own), *const w = bytesOf(west), *const n = bytesOf(north), *const corner = bytesOf(northWest);
+  auto* const out = reinterpret_cast<uint8_t*>(differences);
+  for (size_t i = 0; i < kSpareColors * sizeof(Rgba8); ++i) {
+    const uint8_t low = w[i] < n[i] ? w[i] : n[i], high = w[i] < n[i] ? n[i] : w[i];
+    const uint8_t above = corner[i] < low ? low : corner[i], within = above < high ? above : high;
+    out[i] = static_cast<uint8_t>(o[i] - w[i] - n[i] + within);
   }
 }
 
-/// Back.
-inline void takeColors(ColorDifferences in, const Neighbors* neighbors, size_t count, Rgba8* slots) {
+inline void splitDifferences(const Rgba8* __restrict__ differences, size_t count, uint8_t* __restrict__ alpha, uint8_t* __restrict__ green, uint8_t* __restrict__ red,
+                             uint8_t* __restrict__ blue) {
+  for (size_t i = 0; i < count; ++i) {
+    const Rgba8 difference = differences[i], ofGreen = difference >> 8;
+    alpha[i] = static_cast<uint8_t>(difference >> 24);
+    green[i] = static_cast<uint8_t>(ofGreen);
+    red[i] = static_cast<uint8_t>(difference - ofGreen);
+    blue[i] = static_cast<uint8_t>((difference >> 16) - ofGreen);
+  }
+}
+
+/// Of `count` samples. `slots`: their colours, one place on; `differences`: room for as many; both with kSpareColors behind.
+inline void putColors(const Rgba8* slots, std::span<const NeighborRun> runs, size_t count, Rgba8* differences, ColorDifferences out) {
+  for (const NeighborRun& run : runs) {
+    const RunSlots from(slots, run);
+    for (size_t i = 0; i < run.size; i += kSpareColors) {  // what is written behind the run is written over by the next one
+      const size_t k = run.begin + i;
+      subtractPredicted(slots + k + 1, from.west + i, from.north + i, from.northWest + i, differences + k);
+    }
+  }
+  splitDifferences(differences, count, out.alpha, out.green, out.red, out.blue);
+}
+
+/// Back: what the planes say, in slots that makingColors() makes colours of.
+inline void joinDifferences(ColorDifferences in, size_t count, Rgba8* slots) {
   for (size_t i = 0; i < count; ++i) {
     const Rgba8 green = in.green[i];
     slots[i + 1] = ((in.red[i] + green) & 255) | green << 8 | ((in.blue[i] + green) & 255) << 16 | static_cast<Rgba8>(in.alpha[i]) << 24;
   }
-  ColorChannels last(slots[0]);  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
-  for (size_t i = 0; i < count; ++i) {
-    const Neighbors at = neighbors[i];
-    const ColorChannels west = at.west == i ? last : ColorChannels(slots[at.west]);
-    last = ColorChannels::predicted(west, ColorChannels(slots[at.north]), ColorChannels(slots[at.northWest])) + ColorChannels(slots[i + 1]);
-    slots[i + 1] = last.color();
-  }
+}
+inline auto makingColors(Rgba8* slots) {
+  const auto make = [slots](size_t k, const ColorChannels& west, const ColorChannels& north, const ColorChannels& northWest) {
+    return ColorChannels::predicted(west, north, northWest) + ColorChannels(slots[k + 1]);
+  };
+  return Making<Rgba8, ColorChannels, decltype(make)>(slots, make);
 }
 
 }  // namespace warpscope

@@ -78,13 +78,13 @@ uint64_t ColorPlaneCoder::mostBytes(uint32_t width, uint32_t rows, uint64_t samp
 void ColorPlaneCoder::append(ByteVector& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();
-  slots_.resize(count + 1);
+  slots_.resize(1 + count + kSpareColors);
   slots_[0] = 0;
   std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
   alpha_.resize(count);
 
   if (settings.color == ColorCoding::jpeg) {
-    putAlpha(slots_.data(), layout.neighbors.data(), count, alpha_.data());
+    putAlpha(slots_.data(), layout.runs, alpha_.data());
     appendSection(out, alpha_);
     const size_t start = out.size();
     appendLittle(out, uint32_t{0});
@@ -102,7 +102,8 @@ void ColorPlaneCoder::append(ByteVector& out, const BandLayout& layout, uint32_t
   green_.resize(count);
   red_.resize(count);
   blue_.resize(count);
-  putColors(slots_.data(), layout.neighbors.data(), count, {alpha_.data(), green_.data(), red_.data(), blue_.data()});
+  differences_.resize(count + kSpareColors);
+  putColors(slots_.data(), layout.runs, count, differences_.data(), {alpha_.data(), green_.data(), red_.data(), blue_.data()});
   appendSection(out, alpha_);
   appendSection(out, green_);
   appendSection(out, red_);
@@ -117,7 +118,7 @@ DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, 
   slots_[0] = 0;
 
   if (coding == ColorCoding::jpeg) {
-    takeAlpha(alpha_.data(), layout.neighbors.data(), count, slots_.data());
+    takeAlpha(alpha_.data(), layout.runs, slots_.data());
     const auto length = reader.take<uint32_t>();
     const std::span<const std::byte> jpeg = reader.take(length);
     const CoveredArea& area = layout.area;
@@ -134,7 +135,8 @@ DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, 
     red_.resize(count);
     blue_.resize(count);
     if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-    takeColors({alpha_.data(), green_.data(), red_.data(), blue_.data()}, layout.neighbors.data(), count, slots_.data());
+    joinDifferences({alpha_.data(), green_.data(), red_.data(), blue_.data()}, count, slots_.data());
+    makeFromNeighbors(layout.runs, makingColors(slots_.data()));
   }
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;

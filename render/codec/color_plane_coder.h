@@ -30,6 +30,7 @@ class ColorPlaneCoder {
  private:
   TransferVector<uint8_t> alpha_, green_, red_, blue_;
   TransferVector<Rgba8> slots_;  // colours, one place on
+  TransferVector<Rgba8> differences_;
   TransferVector<Rgba8> picture_;
 };
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "render/codec/band_layout.h"
+#include "render/codec/neighbor_runs.h"
 #include "render/codec/pixel_path.h"
 #include "render/codec/tokens.h"
 #include "render/core/transfer_vector.h"
@@ -19,25 +19,25 @@ inline int32_t wrappedDifference(int32_t a, int32_t b) { return static_cast<int3
 inline int32_t predictedSlot(const int32_t* slots, const Neighbors& from) { return predicted(slots[from.west], slots[from.north], slots[from.northWest]); }
 
 /// Folded differences (zigzag); fills the slots behind the first.
-inline void putPlaces(const FineScale& scale, const Neighbors* neighbors, std::span<const int32_t> places, int32_t* slots, uint32_t* differences) {
+inline void putPlaces(const FineScale& scale, std::span<const NeighborRun> runs, std::span<const int32_t> places, int32_t* slots, uint32_t* __restrict__ differences) {
   const int32_t* const place = places.data();
   for (size_t k = 0; k < places.size(); ++k) slots[k + 1] = scale.fineOf(k, place[k]);
-  for (size_t k = 0; k < places.size(); ++k) differences[k] = zigzag(wrappedDifference(place[k], scale.placeOf(k, predictedSlot(slots, neighbors[k]))));
+  for (const NeighborRun& run : runs) {
+    const RunSlots from(slots, run);
+    for (size_t i = 0; i < run.size; ++i) {
+      const size_t k = run.begin + i;
+      differences[k] = zigzag(wrappedDifference(place[k], scale.placeOf(k, predicted(from.west[i], from.north[i], from.northWest[i]))));
+    }
+  }
 }
 
-/// Back; `differenceAt(k)` gives them one after the other.
+/// Back (neighbor_runs.h); `differenceAt(k)` gives them one after the other.
 template <class DifferenceAt>
-void takePlaces(const FineScale& scale, const Neighbors* neighbors, DifferenceAt differenceAt, int32_t* slots, std::span<int32_t> places) {
-  int32_t* const place = places.data();
-  int32_t last = 0;  // what slots[k] became, nearly always the western neighbour's: it need not come back from memory
-  for (size_t k = 0; k < places.size(); ++k) {
-    const Neighbors from = neighbors[k];
-    const int32_t west = from.west == k ? last : slots[from.west];
-    const int32_t likely = scale.placeOf(k, predicted(west, slots[from.north], slots[from.northWest]));
-    place[k] = wrappedSum(likely, unzigzag(differenceAt(k)));
-    last = scale.fineOf(k, place[k]);
-    slots[k + 1] = last;
-  }
+auto makingPlaces(const FineScale& scale, DifferenceAt differenceAt, int32_t* slots, int32_t* places) {
+  return making(slots, [scale, differenceAt, places](size_t k, int32_t west, int32_t north, int32_t northWest) {
+    places[k] = wrappedSum(scale.placeOf(k, predicted(west, north, northWest)), unzigzag(differenceAt(k)));
+    return scale.fineOf(k, places[k]);
+  });
 }
 
 /// Where the segments of a layer begin and end, in places of borders.
@@ -49,22 +49,17 @@ struct BorderPlaces {
 /// beginning is predicted from those beside it, behind it the gap from the end in front; an end from those beside it. `endInFront(k)`: a reference to where the segment
 /// in front of it ends, which becomes its own end.
 template <class EndInFront, class F>
-void forEachBorder(const FineScale& scale, const Neighbors* neighbors, bool isFront, const BorderPlaces& places, int32_t* slots, const EndInFront& endInFront, const F& f) {
-  for (size_t k = 0; k < places.begins.size(); ++k) {
-    const int32_t likely = predictedSlot(slots, neighbors[k]);
-    if (isFront) {
-      f(k, scale.placeOf(k, likely), places.begins[k], false);
-      slots[k + 1] = scale.fineOf(k, places.begins[k]);
-    } else {
-      f(k, wrappedSum(endInFront(k), likely), places.begins[k], false);
-      slots[k + 1] = wrappedDifference(places.begins[k], endInFront(k));
-    }
-  }
-  for (size_t k = 0; k < places.ends.size(); ++k) {
-    f(k, scale.placeOf(k, predictedSlot(slots, neighbors[k])), places.ends[k], true);
-    slots[k + 1] = scale.fineOf(k, places.ends[k]);
+void forEachBorder(const FineScale& scale, std::span<const NeighborRun> runs, bool isFront, const BorderPlaces& places, int32_t* slots, const EndInFront& endInFront, const F& f) {
+  makeFromNeighbors(runs, making(slots, [&](size_t k, int32_t west, int32_t north, int32_t northWest) {
+    const int32_t likely = predicted(west, north, northWest);
+    f(k, isFront ? scale.placeOf(k, likely) : wrappedSum(endInFront(k), likely), places.begins[k], false);
+    return isFront ? scale.fineOf(k, places.begins[k]) : wrappedDifference(places.begins[k], endInFront(k));
+  }));
+  makeFromNeighbors(runs, making(slots, [&](size_t k, int32_t west, int32_t north, int32_t northWest) {
+    f(k, scale.placeOf(k, predicted(west, north, northWest)), places.ends[k], true);
     endInFront(k) = places.ends[k];
-  }
+    return scale.fineOf(k, places.ends[k]);
+  }));
 }
 
 }  // namespace warpscope

@@ -10,7 +10,7 @@ void PlaceTokens::put(const PixelPaths& paths, const BandLayout& layout, std::sp
   fine_.resize(places.size() + 1);
   fine_[0] = 0;
   codes_.resize(places.size());
-  putPlaces(paths.fineScale(), layout.neighbors.data(), places, fine_.data(), codes_.data());
+  putPlaces(paths.fineScale(), layout.runs, places, fine_.data(), codes_.data());
   putTokens(codes_, tokens, bits);
 }
 
@@ -19,7 +19,7 @@ void PlaceTokens::take(const PixelPaths& paths, const BandLayout& layout, std::s
   fine_[0] = 0;
   const uint8_t* const token = tokens.data();
   BitReader take = bits;
-  takePlaces(paths.fineScale(), layout.neighbors.data(), [&take, token](size_t k) { return takeToken(token[k], take); }, fine_.data(), places);
+  makeFromNeighbors(layout.runs, makingPlaces(paths.fineScale(), [&take, token](size_t k) { return takeToken(token[k], take); }, fine_.data(), places.data()));
   bits = take;
 }
 

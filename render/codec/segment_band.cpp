@@ -118,7 +118,7 @@ template <class F>
 void SegmentBand::forEachPlace(size_t size, int layer, const F& f) {
   fine_.resize(size + 1);
   fine_[0] = 0;
-  forEachBorder(paths_.fineScale(), layout_.neighbors.data(), layer == 0, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[pixelOf_[k]]; }, f);
+  forEachBorder(paths_.fineScale(), layout_.runs, layer == 0, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[pixelOf_[k]]; }, f);
 }
 
 void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
@@ -159,12 +159,11 @@ void SegmentBand::appendNormals(size_t size, ByteVector& out) {
     bytes_.resize(size);
     fine_.resize(size + 1);
     fine_[0] = 0;
-    for (size_t k = 0; k < size; ++k) {
-      const Neighbors from = layout_.neighbors[k];
+    forEachNeighbors(layout_.runs, [&](size_t k, const Neighbors& from) {
       const int32_t own = normals_[k] >> shift & 255;
-      bytes_[k] = static_cast<uint8_t>(own - predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
+      bytes_[k] = static_cast<uint8_t>(own - predictedSlot(fine_.data(), from));
       fine_[k + 1] = own;
-    }
+    });
     appendSection(out, bytes_);
   }
 }
@@ -176,12 +175,11 @@ bool SegmentBand::takeNormals(ByteReader& reader, size_t size) {
     if (!takeSection(reader, bytes_)) return false;
     fine_.resize(size + 1);
     fine_[0] = 0;
-    for (size_t k = 0; k < size; ++k) {
-      const Neighbors from = layout_.neighbors[k];
-      const int32_t own = (bytes_[k] + predicted(fine_[from.west], fine_[from.north], fine_[from.northWest])) & 255;
+    makeFromNeighbors(layout_.runs, making(fine_.data(), [&](size_t k, int32_t west, int32_t north, int32_t northWest) {
+      const int32_t own = (bytes_[k] + predicted(west, north, northWest)) & 255;
       normals_[k] = static_cast<NormalCode>(normals_[k] | own << shift);
-      fine_[k + 1] = own;
-    }
+      return own;
+    }));
   }
   return true;
 }

@@ -33,6 +33,11 @@ void forEachVectorFromTheEnd(const F& f) {
 }
 #endif
 
+/// The bits of a number behind its token that a state takes first, and those that are left.
+uint32_t firstRest(uint32_t bits) { return std::min(bits, kAnsRestBits); }
+
+}  // namespace
+
 void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens) {
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
   if (lanes == kAnsLanes)
@@ -43,11 +48,6 @@ void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens) {
 #endif
   for (uint32_t lane = 0; lane < lanes; ++lane) tokens[lane] = tokenOf(numbers[lane]);
 }
-
-/// The bits of a number behind its token that a state takes first, and those that are left.
-uint32_t firstRest(uint32_t bits) { return std::min(bits, kAnsRestBits); }
-
-}  // namespace
 
 AnsWriterModel::AnsWriterModel(const AnsModel& theModel) : model(theModel) {
   for (uint32_t s = 0; s < kAnsSymbols; ++s) {

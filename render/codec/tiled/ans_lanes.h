@@ -16,6 +16,9 @@ namespace warpscope {
 
 inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
 
+/// tokenOf() of at most kAnsLanes numbers; many at once where these are all.
+void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens);
+
 /// A model as writers use it.
 struct AnsWriterModel {
   AnsModel model;

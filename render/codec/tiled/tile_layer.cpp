@@ -1,23 +1,31 @@
-// Pixels in order, and their neighbours.
+// Pixels in order, and their neighbours, from masks of rows.
 // See tile_layer.h.
 #include "render/codec/tiled/tile_layer.h"
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 #include "render/codec/tiled/covered_bits.h"
 
 namespace warpscope {
 namespace {
 
-/// Of pixels beside one another, all but the first, whose number in the layer is `first`. Slots are those of the first, and of the pixel above it.
-void findInRun(const uint32_t* __restrict__ above, uint32_t* __restrict__ own, uint32_t first, uint32_t count, Neighbors* __restrict__ neighbors) {
-  for (uint32_t i = 1; i < count; ++i) {
-    const uint32_t west = first + i;
-    const uint32_t north = above[i] == 0 ? west : above[i];
-    neighbors[i] = {west, north, above[i - 1] == 0 ? north : above[i - 1]};
-    own[i] = west + 1;
+static_assert(kCodedTileWidth == 64, "a row's mask is a word");
+
+/// The lowest bits.
+uint64_t lowBits(uint32_t count) { return count < 64 ? (uint64_t{1} << count) - 1 : ~uint64_t{0}; }
+
+uint64_t maskOf(const uint8_t* counts, uint32_t width) {
+  uint64_t mask = 0;
+  for (uint32_t x = 0; x < width; x += 8) mask |= uint64_t{coveredBits(counts + x, std::min(width - x, 8u))} << x;
+  return mask;
+}
+
+/// Of a row that is covered all over.
+void fillRow(uint32_t width, uint32_t column, uint32_t row, uint32_t* __restrict__ columns, uint32_t* __restrict__ rows) {
+  for (uint32_t x = 0; x < width; ++x) {
+    columns[x] = column + x;
+    rows[x] = row;
   }
 }
 
@@ -27,80 +35,97 @@ void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
   tile_ = tile;
   counts_ = counts;
   layer_ = 0;
-  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(counts.size());  // at most
+  uint8_t deepest = 0;
+  for (const uint8_t count : counts) deepest = count > deepest ? count : deepest;
+  deepest_ = deepest;
+  for (TransferVector<uint32_t>* values : {&columns_, &rows_}) values->resize(counts.size());  // at most
+  kept_.clear();
   // Locals: what is written cannot be what is read then.
-  const uint8_t* const count = counts.data();
-  uint32_t* const pixelOf = pixels_.data();
   uint32_t* const columnOf = columns_.data();
   uint32_t* const rowOf = rows_.data();
   uint32_t k = 0;
-  for (uint32_t y = 0; y < tile.height; ++y)
-    for (uint32_t begin = 0; begin < tile.width; begin += 8) {
-      const uint32_t first = y * tile.width + begin;
-      uint32_t bits = coveredBits(count + first, std::min(tile.width - begin, 8u));
-      if (bits == 0xff) {
-        for (uint32_t i = 0; i < 8; ++i) {
-          pixelOf[k + i] = first + i;
-          columnOf[k + i] = tile.x0 + begin + i;
-          rowOf[k + i] = tile.y0 + y;
-        }
-        k += 8;
-        continue;
-      }
-      for (; bits != 0; bits &= bits - 1) {
-        const auto i = static_cast<uint32_t>(std::countr_zero(bits));
-        pixelOf[k] = first + i;
-        columnOf[k] = tile.x0 + begin + i;
-        rowOf[k] = tile.y0 + y;
-        ++k;
-      }
+  for (uint32_t y = 0; y < tile.height; ++y) {
+    masks_[y] = maskOf(counts.data() + size_t{y} * tile.width, tile.width);
+    rowBegins_[y] = k;
+    if (masks_[y] == lowBits(tile.width)) {
+      fillRow(tile.width, tile.x0, tile.y0 + y, columnOf + k, rowOf + k);
+      k += tile.width;
+      continue;
     }
-  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(k);
-  std::iota(kept_.begin(), kept_.end(), 0u);
-  findNeighbors();
+    for (uint64_t bits = masks_[y]; bits != 0; bits &= bits - 1) {
+      columnOf[k] = tile.x0 + static_cast<uint32_t>(std::countr_zero(bits));
+      rowOf[k] = tile.y0 + y;
+      ++k;
+    }
+  }
+  for (TransferVector<uint32_t>* values : {&columns_, &rows_}) values->resize(k);
+  findRuns();
 }
 
 bool TileLayer::goBehind() {
   ++layer_;
-  uint32_t left = 0;
-  for (uint32_t k = 0; k < pixels_.size(); ++k) {
-    if (counts_[pixels_[k]] <= layer_) continue;
-    pixels_[left] = pixels_[k];
+  if (layer_ >= deepest_) return false;
+  const size_t before = columns_.size();
+  kept_.resize(before);  // at most
+  std::fill_n(masks_.begin(), tile_.height, uint64_t{0});
+  uint32_t left = 0, row = 0;
+  rowBegins_[0] = 0;
+  for (uint32_t k = 0; k < before; ++k) {
+    while (row < rows_[k] - tile_.y0) rowBegins_[++row] = left;
+    if (counts_[pixelOf(k)] <= layer_) continue;
+    masks_[row] |= uint64_t{1} << (columns_[k] - tile_.x0);
     columns_[left] = columns_[k];
     rows_[left] = rows_[k];
     kept_[left] = k;
     ++left;
   }
-  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(left);
-  findNeighbors();
-  return left > 0;
+  while (row + 1 < tile_.height) rowBegins_[++row] = left;
+  for (TransferVector<uint32_t>* values : {&columns_, &rows_, &kept_}) values->resize(left);
+  findRuns();
+  return true;
 }
 
-void TileLayer::findNeighbors() {
-  const uint32_t stride = tile_.width + 1;
-  slots_.assign(size_t{stride} * (tile_.height + 1), 0);
-  rowBegins_.resize(tile_.height + 1);
-  const auto size = static_cast<uint32_t>(pixels_.size());
-  neighbors_.resize(size);
-  uint32_t row = 0;
-  rowBegins_[0] = 0;
-  for (uint32_t k = 0; k < size;) {
-    const uint32_t x = columns_[k] - tile_.x0, y = rows_[k] - tile_.y0;
-    while (row < y) rowBegins_[++row] = k;
-    uint32_t end = k + 1;  // of pixels beside one another
-    while (end < size && pixels_[end] == pixels_[end - 1] + 1 && columns_[end] > columns_[k]) ++end;
-    const uint32_t* const above = slots_.data() + stride * y + x + 1;
-    uint32_t* const own = slots_.data() + stride * (y + 1) + x + 1;
-    // The first has none to its west.
-    uint32_t north = above[0], northWest = *(above - 1);
-    if (north == 0) north = k > rowBegins_[y] ? k : slotAbove(x, y);
-    if (northWest == 0) northWest = north;
-    neighbors_[k] = {north, north, northWest};
-    own[0] = k + 1;
-    findInRun(above, own, k, end - k, neighbors_.data() + k);
-    k = end;
+void TileLayer::findRuns() {
+  runs_.clear();
+  for (uint32_t y = 0; y < tile_.height; ++y) {
+    const uint64_t own = masks_[y], above = y > 0 ? masks_[y - 1] : 0;
+    const uint64_t hasWest = own & own << 1;
+    const uint64_t isAmidst = hasWest & above & above << 1, isAlone = hasWest & ~above & ~(above << 1);  // all three neighbours are there, or the western one alone
+    uint32_t k = rowBegins_[y];
+    for (uint64_t bits = own; bits != 0;) {
+      const auto x = static_cast<uint32_t>(std::countr_zero(bits));
+      NeighborRun run{k, 1, {k, k, k}};
+      if ((isAmidst >> x & 1) != 0) {
+        run.size = static_cast<uint32_t>(std::countr_one(isAmidst >> x));
+        run.first.north = slotAt(x, y - 1);
+        run.first.northWest = run.first.north - 1;
+      } else if ((isAlone >> x & 1) != 0) {
+        run.size = static_cast<uint32_t>(std::countr_one(isAlone >> x));
+      } else {
+        run.first = neighborsAt(x, y, k);
+      }
+      runs_.push_back(run);
+      k += run.size;
+      bits &= ~(lowBits(run.size) << x);
+    }
   }
-  while (row < tile_.height) rowBegins_[++row] = size;
+}
+
+/// Of a pixel that has one, or 0.
+uint32_t TileLayer::slotAt(uint32_t x, uint32_t y) const {
+  if ((masks_[y] >> x & 1) == 0) return 0;
+  return rowBegins_[y] + static_cast<uint32_t>(std::popcount(masks_[y] & lowBits(x))) + 1;
+}
+
+/// Of element `k`, which is that pixel.
+Neighbors TileLayer::neighborsAt(uint32_t x, uint32_t y, uint32_t k) const {
+  uint32_t west = x > 0 && (masks_[y] >> (x - 1) & 1) != 0 ? k : 0;
+  uint32_t north = y > 0 ? slotAt(x, y - 1) : 0;
+  if (west == 0) west = north;
+  if (north == 0) north = west;
+  if (west == 0) west = north = k > rowBegins_[y] ? k : slotAbove(x, y);
+  const uint32_t northWest = x > 0 && y > 0 ? slotAt(x - 1, y - 1) : 0;
+  return {west, north, northWest == 0 ? north : northWest};
 }
 
 /// Of a pixel that is the first of its row and has no neighbours.
@@ -108,10 +133,7 @@ uint32_t TileLayer::slotAbove(uint32_t x, uint32_t y) const {
   while (y > 0) {
     --y;
     ++x;
-    const uint32_t* const begin = columns_.data() + rowBegins_[y];
-    const uint32_t* const end = columns_.data() + rowBegins_[y + 1];
-    const uint32_t* const behind = std::upper_bound(begin, end, tile_.x0 + x);
-    if (behind != begin) return static_cast<uint32_t>(behind - columns_.data());
+    if (const uint64_t upTo = masks_[y] & lowBits(x + 1)) return rowBegins_[y] + static_cast<uint32_t>(std::popcount(upTo));
   }
   return 0;
 }

@@ -3,6 +3,7 @@
 // what the row above would take for the pixel to the right, and so on upward. So a row needs to know of the row above no more than one column ahead.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -17,29 +18,34 @@ class TileLayer {
  public:
   /// The front layer. `counts`: how many layers each pixel of the tile has, row by row; they stay where they are.
   void begin(const TileRect& tile, std::span<const uint8_t> counts);
-  /// Goes on to the next layer. False if no pixel has one.
+  /// Goes on to the next layer. False if no pixel has one; the layer is no longer to be used then.
   bool goBehind();
 
-  size_t size() const { return pixels_.size(); }
-  /// Of each element: its pixel in the tile; its column and row in the picture.
-  std::span<const uint32_t> pixels() const { return pixels_; }
+  size_t size() const { return columns_.size(); }
+  /// An element's pixel in the tile.
+  uint32_t pixelOf(size_t k) const { return (rows_[k] - tile_.y0) * tile_.width + columns_[k] - tile_.x0; }
+  /// Of each element: its column and row in the picture.
   std::span<const uint32_t> columns() const { return columns_; }
   std::span<const uint32_t> rows() const { return rows_; }
-  std::span<const Neighbors> neighbors() const { return neighbors_; }
-  /// Which elements of the layer in front the layer's are behind; of the front layer all.
+  /// Of all elements, one after the other.
+  std::span<const NeighborRun> runs() const { return runs_; }
+  /// Which elements of the layer in front the layer's are behind. Not of the front layer.
   std::span<const uint32_t> kept() const { return kept_; }
 
  private:
-  void findNeighbors();
+  void findRuns();
+  uint32_t slotAt(uint32_t x, uint32_t y) const;
+  Neighbors neighborsAt(uint32_t x, uint32_t y, uint32_t k) const;
   uint32_t slotAbove(uint32_t x, uint32_t y) const;
 
   TileRect tile_;
   std::span<const uint8_t> counts_;
   uint32_t layer_ = 0;
-  TransferVector<uint32_t> pixels_, columns_, rows_, kept_;
-  TransferVector<uint32_t> slots_;      // of each pixel, with a column more on the left and a row more on top; 0 where there is nothing
-  TransferVector<uint32_t> rowBegins_;  // of each row, and the end
-  TransferVector<Neighbors> neighbors_;
+  uint8_t deepest_ = 0;  // how many layers there are
+  TransferVector<uint32_t> columns_, rows_, kept_;
+  std::array<uint64_t, kCodedTileHeight> masks_{};      // of each row which columns have something, the first in the lowest bit
+  std::array<uint32_t, kCodedTileHeight> rowBegins_{};  // of each row, its first element
+  TransferVector<NeighborRun> runs_;
 };
 
 }  // namespace warpscope

@@ -17,15 +17,19 @@ struct RowPart {
 
 /// Of each pixel of a tile that has anything, where its first is among the frame's.
 inline void findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows, TransferVector<uint32_t>& firsts) {
-  firsts.clear();
+  firsts.resize(rect.pixels());  // at most
+  uint32_t* const first = firsts.data();
+  const uint8_t* count = counts.data();
+  size_t k = 0;
   for (uint32_t y = 0; y < rect.height; ++y) {
     uint32_t at = rows[y].begin;
-    for (const uint8_t count : counts.subspan(size_t{y} * rect.width, rect.width)) {
-      if (count == 0) continue;
-      firsts.push_back(at);
-      at += count;
+    for (uint32_t x = 0; x < rect.width; ++x, ++count) {
+      first[k] = at;  // one that has nothing is written over
+      k += *count > 0 ? 1 : 0;
+      at += *count;
     }
   }
+  firsts.resize(k);
 }
 
 class TileRows {

@@ -38,24 +38,53 @@ bool takeMask(std::span<uint8_t> changes, const TileRect& rect, std::span<uint8_
   return true;
 }
 
+/// f(number of the first element, where it is among the frame's samples, how many follow one another there) of what a tile has of a layer. `firsts`: where rays with
+/// several samples begin; others have one each, row by row.
+template <class F>
+void forEachStretch(bool hasLayers, std::span<const uint32_t> firsts, uint32_t layer, std::span<const RowPart> rows, const F& f) {
+  if (hasLayers) {
+    for (size_t k = 0; k < firsts.size(); ++k) f(k, firsts[k] + layer, size_t{1});
+    return;
+  }
+  size_t k = 0;
+  for (const RowPart& part : rows) {
+    f(k, part.begin, size_t{part.end - part.begin});
+    k += part.end - part.begin;
+  }
+}
+
 /// Differences of radius codes: from what the rule says, or where there is none from those beside.
-void putRadii(const RadiusPrediction& radius, std::span<const Neighbors> neighbors, std::span<const PackedSample> samples, const Rgba8* colors, int32_t* slots, uint32_t* out) {
+void putRadii(const RadiusPrediction& radius, std::span<const NeighborRun> runs, std::span<const PackedSample> samples, const Rgba8* colors, int32_t* slots, uint32_t* out) {
+  if (radius.isSame()) {
+    const auto same = static_cast<int32_t>(radius.same());
+    const PackedSample* const sample = samples.data();
+    for (size_t k = 0; k < samples.size(); ++k) out[k] = zigzag(static_cast<int32_t>(radiusCode(sample[k])) - same);
+    return;
+  }
   if (!radius.isAsBefore()) {
     for (size_t k = 0; k < samples.size(); ++k)
       out[k] = zigzag(static_cast<int32_t>(radiusCode(samples[k])) - static_cast<int32_t>(radius(samples[k], colors[k], 0)));
     return;
   }
   for (size_t k = 0; k < samples.size(); ++k) slots[k + 1] = static_cast<int32_t>(radiusCode(samples[k]));
-  for (size_t k = 0; k < samples.size(); ++k) out[k] = zigzag(slots[k + 1] - predictedSlot(slots, neighbors[k]));
+  forEachNeighbors(runs, [&](size_t k, const Neighbors& from) { out[k] = zigzag(slots[k + 1] - predictedSlot(slots, from)); });
 }
 
-void takeRadii(const RadiusPrediction& radius, std::span<const Neighbors> neighbors, const uint32_t* differences, const Rgba8* colors, int32_t* slots,
+void takeRadii(const RadiusPrediction& radius, std::span<const NeighborRun> runs, const uint32_t* differences, const Rgba8* colors, int32_t* slots,
                std::span<PackedSample> samples) {
-  for (size_t k = 0; k < samples.size(); ++k) {
-    const auto likely = radius.isAsBefore() ? static_cast<uint32_t>(predictedSlot(slots, neighbors[k])) : radius(samples[k], colors[k], 0);
-    const uint32_t code = (likely + static_cast<uint32_t>(unzigzag(differences[k]))) & kRadiusCodeMax;
-    slots[k + 1] = static_cast<int32_t>(code);
-    samples[k] = withRadiusCode(samples[k], code);
+  PackedSample* const sample = samples.data();
+  const auto codeFrom = [differences](uint32_t likely, size_t k) { return (likely + static_cast<uint32_t>(unzigzag(differences[k]))) & kRadiusCodeMax; };
+  if (radius.isSame()) {
+    const uint32_t same = radius.same();
+    for (size_t k = 0; k < samples.size(); ++k) sample[k] = withRadiusCode(sample[k], codeFrom(same, k));
+  } else if (!radius.isAsBefore()) {
+    for (size_t k = 0; k < samples.size(); ++k) sample[k] = withRadiusCode(sample[k], codeFrom(radius(sample[k], colors[k], 0), k));
+  } else {
+    makeFromNeighbors(runs, making(slots, [&](size_t k, int32_t west, int32_t north, int32_t northWest) {
+      const uint32_t code = codeFrom(static_cast<uint32_t>(predicted(west, north, northWest)), k);
+      sample[k] = withRadiusCode(sample[k], code);
+      return static_cast<int32_t>(code);
+    }));
   }
 }
 
@@ -68,28 +97,42 @@ void TileSamples::goBehind() {
   paths_.narrow(kept);
 }
 
-void TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
+/// Of each pixel; and, of rays that may have several, where those of each begin.
+void TileSamples::countSamples(const SampleFrame& frame, const TileRect& rect, std::span<const RowPart> rows, bool hasLayers) {
   counts_.assign(rect.pixels(), 0);
   at_.clear();
-  for (uint32_t y = 0; y < rect.height; ++y)
-    for (uint32_t i = rows[y].begin; i < rows[y].end; ++i) {
-      uint8_t& count = counts_[size_t{y} * rect.width + columnOf(frame.samples[i]) - rect.x0];
-      if (count++ == 0) at_.push_back(i);
+  const PackedSample* const samples = frame.samples.data();
+  uint8_t* counts = counts_.data();
+  for (const RowPart& part : rows) {
+    if (hasLayers) {
+      for (uint32_t i = part.begin; i < part.end; ++i)
+        if (counts[columnOf(samples[i]) - rect.x0]++ == 0) at_.push_back(i);
+    } else if (part.end - part.begin == rect.width) {
+      std::fill_n(counts, rect.width, uint8_t{1});
+    } else {
+      for (uint32_t i = part.begin; i < part.end; ++i) counts[columnOf(samples[i]) - rect.x0] = 1;
     }
+    counts += rect.width;
+  }
+}
+
+void TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
   const bool hasLayers = !frame.layers().empty();
+  const std::span<const RowPart> ownRows = rows.first(rect.height);
+  countSamples(frame, rect, ownRows, hasLayers);
   const SheetForm form = sampleForm(hasLayers);
   tile.layerCount = 0;
   putMask(counts_, rect, tile.shapes[0]);
-  if (at_.empty()) {
+  layer_.begin(rect, counts_);
+  if (layer_.size() == 0) {
     tile.shapes[1].clear();
     return;
   }
-  layer_.begin(rect, counts_);
   if (hasLayers) {
     tile.shapes[1].resize(layer_.size());
     uint8_t before = 0;
     for (size_t k = 0; k < layer_.size(); ++k) {
-      const auto further = static_cast<uint8_t>(counts_[layer_.pixels()[k]] - 1);
+      const auto further = static_cast<uint8_t>(counts_[layer_.pixelOf(k)] - 1);
       tile.shapes[1][k] = further ^ before;
       before = further;
     }
@@ -101,25 +144,28 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
     samples_.resize(size);
     places_.resize(size);
     codes_.resize(size);
-    slots_.resize(size + 1);
+    slots_.resize(1 + size + kSpareColors);
+    differences_.resize(size + kSpareColors);
     fine_.resize(size + 1);
     slots_[0] = 0;
     fine_[0] = 0;
-    for (size_t k = 0; k < size; ++k) {
-      samples_[k] = frame.samples[at_[k] + l];
-      slots_[k + 1] = frame.colors[at_[k] + l];
-    }
+    forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
+      std::copy_n(frame.samples.data() + at, count, samples_.data() + k);
+      std::copy_n(frame.colors.data() + at, count, slots_.data() + 1 + k);
+    });
     paths_.locate(samples_, places_);
     paths_.place(places_, codes_);
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
-    putPlaces(paths_.fineScale(), layer_.neighbors().data(), places_, fine_.data(), planes.number(planeOf(SampleNumbers::place)).data());
+    putPlaces(paths_.fineScale(), layer_.runs(), places_, fine_.data(), planes.number(planeOf(SampleNumbers::place)).data());
     {
-      const std::span<uint32_t> differences = planes.number(planeOf(SampleNumbers::depth));
-      for (size_t k = 0; k < size; ++k) differences[k] = zigzag(static_cast<int32_t>(depthCode(samples_[k])) - static_cast<int32_t>(codes_[k]));
+      uint32_t* const difference = planes.number(planeOf(SampleNumbers::depth)).data();
+      const PackedSample* const sample = samples_.data();
+      const uint32_t* const likely = codes_.data();
+      for (size_t k = 0; k < size; ++k) difference[k] = zigzag(static_cast<int32_t>(depthCode(sample[k])) - static_cast<int32_t>(likely[k]));
     }
-    putRadii(radius, layer_.neighbors(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
-    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn<SampleBytes>(planes));
+    putRadii(radius, layer_.runs(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
+    putColors(slots_.data(), layer_.runs(), size, differences_.data(), differencesIn<SampleBytes>(planes));
     if (!layer_.goBehind()) return;
     goBehind();
   }
@@ -160,7 +206,10 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
   const uint32_t streams = reader.streams(tile);
   if (streams == 0) return true;
   layer_.begin(rect, counts);
-  findFirsts(counts, rect, rows, at_);
+  const bool hasLayers = !layers.empty();
+  const std::span<const RowPart> ownRows = rows.first(rect.height);
+  at_.clear();
+  if (hasLayers) findFirsts(counts, rect, rows, at_);
   paths_.aim(frame, placement, layer_.columns(), layer_.rows());
   const RadiusPrediction radius(frame);
   for (uint32_t l = 0; l < streams; ++l) {
@@ -175,24 +224,25 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
     samples_.resize(size);
     slots_[0] = 0;
     fine_[0] = 0;
-    const std::span<const uint32_t> ofPlaces = planes_.number(planeOf(SampleNumbers::place));
-    takePlaces(paths_.fineScale(), layer_.neighbors().data(), [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_);
+    const uint32_t* const ofPlaces = planes_.number(planeOf(SampleNumbers::place)).data();
+    joinDifferences(differencesIn<SampleBytes>(planes_), size, slots_.data());
+    makeFromNeighbors(layer_.runs(), makingPlaces(paths_.fineScale(), [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_.data()), makingColors(slots_.data()));
     paths_.place(places_, codes_);
     {
-      const std::span<const uint32_t> differences = planes_.number(planeOf(SampleNumbers::depth));
+      const uint32_t* const difference = planes_.number(planeOf(SampleNumbers::depth)).data();
+      const uint32_t *const likely = codes_.data(), *const column = layer_.columns().data(), *const row = layer_.rows().data();
+      PackedSample* const sample = samples_.data();
       for (size_t k = 0; k < size; ++k) {
-        const uint32_t code = (codes_[k] + static_cast<uint32_t>(unzigzag(differences[k]))) & kDepthCodeMax;
-        samples_[k] = packCodes(layer_.columns()[k], layer_.rows()[k], code, 0);
+        const uint32_t code = (likely[k] + static_cast<uint32_t>(unzigzag(difference[k]))) & kDepthCodeMax;
+        sample[k] = packCodes(column[k], row[k], code, 0);
       }
     }
-    takeColors(differencesIn<SampleBytes>(planes_), layer_.neighbors().data(), size, slots_.data());
-    takeRadii(radius, layer_.neighbors(), planes_.number(planeOf(SampleNumbers::radius)).data(), slots_.data() + 1, fine_.data(), samples_);
-    for (size_t k = 0; k < size; ++k) {
-      frame.samples[at_[k] + l] = samples_[k];
-      frame.colors[at_[k] + l] = slots_[k + 1];
-    }
-    if (!layers.empty())
-      for (size_t k = 0; k < size; ++k) layers[at_[k] + l] = static_cast<uint8_t>(l);
+    takeRadii(radius, layer_.runs(), planes_.number(planeOf(SampleNumbers::radius)).data(), slots_.data() + 1, fine_.data(), samples_);
+    forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
+      std::copy_n(samples_.data() + k, count, frame.samples.data() + at);
+      std::copy_n(slots_.data() + 1 + k, count, frame.colors.data() + at);
+      if (hasLayers) std::fill_n(layers.data() + at, count, static_cast<uint8_t>(l));
+    });
     if (l + 1 == streams) break;
     layer_.goBehind();
     goBehind();

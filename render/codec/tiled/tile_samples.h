@@ -33,6 +33,7 @@ class TileSamples {
               AnsReader& stream, SampleFrame& frame, std::span<uint8_t> layers);
 
  private:
+  void countSamples(const SampleFrame& frame, const TileRect& rect, std::span<const RowPart> rows, bool hasLayers);
   void goBehind();
 
   TileLayer layer_;
@@ -41,7 +42,7 @@ class TileSamples {
   TransferVector<uint8_t> counts_, symbols_;
   TransferVector<uint32_t> at_;  // of each element of the layer, its ray's first sample among the frame's
   TransferVector<PackedSample> samples_;
-  TransferVector<Rgba8> slots_;
+  TransferVector<Rgba8> slots_, differences_;
   TransferVector<int32_t> places_, fine_;
   TransferVector<uint32_t> codes_;
 };

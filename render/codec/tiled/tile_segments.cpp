@@ -41,7 +41,8 @@ void TileSegments::startLayer() {
   for (TransferVector<uint32_t>* values : {&codes_, &endCodes_, &likely_}) values->resize(size);
   for (TransferVector<int32_t>* values : {&places_, &endPlaces_}) values->resize(size);
   fine_.resize(size + 1);
-  slots_.resize(size + 1);
+  slots_.resize(1 + size + kSpareColors);
+  differences_.resize(size + kSpareColors);
   fine_[0] = 0;
   slots_[0] = 0;
 }
@@ -61,7 +62,7 @@ bool TileSegments::goBehind() {
 
 template <class F>
 void TileSegments::forEachBorder(bool isFront, const F& f) {
-  warpscope::forEachBorder(paths_.fineScale(), layer_.neighbors().data(), isFront, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[k]; }, f);
+  warpscope::forEachBorder(paths_.fineScale(), layer_.runs(), isFront, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[k]; }, f);
 }
 
 void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
@@ -118,12 +119,14 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
     putBorders(planes, l == 0);
-    putColors(slots_.data(), layer_.neighbors().data(), size, differencesIn<SegmentBytes>(planes));
+    putColors(slots_.data(), layer_.runs(), size, differences_.data(), differencesIn<SegmentBytes>(planes));
     if (!segments.normals.empty()) {
       for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
       for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
         uint8_t* const out = planes.byte(planeOf(plane)).data();
-        for (size_t k = 0; k < size; ++k) out[k] = static_cast<uint8_t>(channel(slots_[k + 1], shift) - predictedChannel(slots_.data(), layer_.neighbors()[k], shift));
+        forEachNeighbors(layer_.runs(), [&](size_t k, const Neighbors& from) {
+          out[k] = static_cast<uint8_t>(channel(slots_[k + 1], shift) - predictedChannel(slots_[from.west], slots_[from.north], slots_[from.northWest], shift));
+        });
       }
     }
     if (!goBehind()) return;
@@ -167,7 +170,8 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     if (l > 0) behind = reader.stream(tile, l);
     if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
     takeBorders(planes_, l == 0);
-    takeColors(differencesIn<SegmentBytes>(planes_), layer_.neighbors().data(), size, slots_.data());
+    joinDifferences(differencesIn<SegmentBytes>(planes_), size, slots_.data());
+    makeFromNeighbors(layer_.runs(), makingColors(slots_.data()));
     for (size_t k = 0; k < size; ++k) {
       segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
       segments.colors[at_[k] + l] = slots_[k + 1];
@@ -176,8 +180,9 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
       std::ranges::fill(slots_, Rgba8{0});
       for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
         const uint8_t* const in = planes_.byte(planeOf(plane)).data();
-        for (size_t k = 0; k < size; ++k)
-          slots_[k + 1] |= static_cast<Rgba8>((in[k] + predictedChannel(slots_.data(), layer_.neighbors()[k], shift)) & 255) << shift;
+        makeFromNeighbors(layer_.runs(), making(slots_.data(), [&](size_t k, Rgba8 west, Rgba8 north, Rgba8 northWest) {
+          return slots_[k + 1] | static_cast<Rgba8>((in[k] + predictedChannel(west, north, northWest, shift)) & 255) << shift;
+        }));
       }
       for (size_t k = 0; k < size; ++k) segments.normals[at_[k] + l] = static_cast<NormalCode>(slots_[k + 1]);
     }

@@ -47,7 +47,7 @@ class TileSegments {
   TransferVector<int32_t> ends_;  // of each, where the segment in front ends
   TransferVector<uint32_t> codes_, endCodes_, likely_;
   TransferVector<int32_t> places_, endPlaces_, fine_;
-  TransferVector<Rgba8> slots_;
+  TransferVector<Rgba8> slots_, differences_;
 };
 
 }  // namespace warpscope

@@ -24,20 +24,21 @@ uint64_t summedHashOf(std::span<const PackedSample> samples) {
 void cut(const SampleFrame& frame, const TileGrid& grid, TileRows& rows) {
   rows.begin(grid);
   const auto begin = frame.samples.begin();
+  const auto most = static_cast<std::ptrdiff_t>(kCodedTileWidth * mostTiledLayers(frame));  // of a row of a tile
   parallelForRanges(grid.count() / std::max(grid.columns(), 1u), 1, [&](size_t from, size_t to) {
     for (size_t tileRow = from; tileRow < to; ++tileRow)
       for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
         const auto row = static_cast<uint32_t>(tileRow) * kCodedTileHeight + y;
         if (row >= grid.height) break;
-        const auto firstAt = [&](auto after, uint32_t column) {
+        const auto firstAt = [&](auto after, auto end, uint32_t column) {
           const uint32_t key = column < grid.width ? pixelKey(column, row) : pixelKey(0, row + 1);
-          return std::partition_point(after, frame.samples.end(), [key](PackedSample sample) { return pixelKey(sample) < key; });
+          return std::partition_point(after, end, [key](PackedSample sample) { return pixelKey(sample) < key; });
         };
-        auto at = firstAt(begin, 0);
+        auto at = firstAt(begin, frame.samples.end(), 0);
         for (uint32_t column = 0; column < grid.columns(); ++column) {
           RowPart& own = rows.of(tileRow * grid.columns() + column)[y];
           own.begin = static_cast<uint32_t>(at - begin);
-          at = firstAt(at, (column + 1) * kCodedTileWidth);
+          at = firstAt(at, at + std::min(frame.samples.end() - at, most), (column + 1) * kCodedTileWidth);
           own.end = static_cast<uint32_t>(at - begin);
         }
       }

@@ -3,6 +3,7 @@
 #include "render/codec/tiled/tiled_sheet.h"
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 
 #include "render/codec/tokens.h"
@@ -19,21 +20,43 @@ bool hasStreams(const SheetTile& tile) {
   return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
 }
 
-template <class T, class SymbolOf>
-void count(std::span<const T> values, CountsInTurns& counts, const SymbolOf& symbolOf) {
-  constexpr size_t kAtOnce = 8;
-  uint32_t zeros = 0;  // by far the most, and often all of a plane; the symbol of a zero is 0
+void countBytes(std::span<const uint8_t> symbols, CountsInTurns& counts) {
+  constexpr size_t kAtOnce = sizeof(uint64_t);
+  uint32_t zeros = 0;  // by far the most, and often all of a plane
   size_t i = 0;
-  for (; i + kAtOnce <= values.size(); i += kAtOnce) {
-    T any = 0;
-    for (size_t k = 0; k < kAtOnce; ++k) any |= values[i + k];
-    if (any == 0) {
+  for (; i + kAtOnce <= symbols.size(); i += kAtOnce) {
+    uint64_t word;
+    std::memcpy(&word, symbols.data() + i, sizeof word);
+    if (word == 0) {
       zeros += kAtOnce;
       continue;
     }
-    for (size_t k = 0; k < kAtOnce; ++k) ++counts[k % counts.size()][symbolOf(values[i + k])];
+    for (size_t k = 0; k < kAtOnce; ++k) ++counts[k % counts.size()][word >> 8 * k & 255];
   }
-  for (; i < values.size(); ++i) ++counts[0][symbolOf(values[i])];
+  for (; i < symbols.size(); ++i) ++counts[0][symbols[i]];
+  counts[0][0] += zeros;
+}
+
+/// Their tokens.
+void countNumbers(std::span<const uint32_t> numbers, CountsInTurns& counts) {
+  uint32_t zeros = 0;  // as above
+  size_t i = 0;
+  for (; i + kAnsLanes <= numbers.size(); i += kAnsLanes) {
+    const uint32_t* own = numbers.data() + i;
+    uint32_t any = 0;
+    for (uint32_t k = 0; k < kAnsLanes; ++k) any |= own[k];
+    if (any == 0) {
+      zeros += kAnsLanes;
+      continue;
+    }
+    alignas(64) uint32_t tokens[kAnsLanes];
+    if (any >= kDirectTokens) {
+      findTokens(own, kAnsLanes, tokens);
+      own = tokens;
+    }
+    for (uint32_t k = 0; k < kAnsLanes; ++k) ++counts[k % counts.size()][own[k]];
+  }
+  for (; i < numbers.size(); ++i) ++counts[0][tokenOf(numbers[i])];
   counts[0][0] += zeros;
 }
 
@@ -41,15 +64,15 @@ void count(std::span<const T> values, CountsInTurns& counts, const SymbolOf& sym
 std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTile> tiles, uint32_t layers) {
   std::vector<Counts> all(form.shapes + size_t{layers} * form.planes());
   std::mutex mutex;
-  parallelForRanges(tiles.size(), 4, [&](size_t begin, size_t end) {
+  constexpr size_t kFewTiles = 16;  // that are not worth counts of their own
+  parallelForRanges(tiles.size(), kFewTiles, [&](size_t begin, size_t end) {
     std::vector<CountsInTurns> own(all.size());
-    const auto countBytes = [](std::span<const uint8_t> symbols, CountsInTurns& counts) { count(symbols, counts, [](uint8_t symbol) { return symbol; }); };
     for (const SheetTile& tile : tiles.subspan(begin, end - begin)) {
       if (!hasStreams(tile)) continue;
       for (uint32_t shape = 0; shape < form.shapes; ++shape) countBytes(tile.shapes[shape], own[shape]);
       CountsInTurns* counts = own.data() + form.shapes;
       for (uint32_t layer = 0; layer < tile.layerCount; ++layer) {
-        for (uint32_t plane = 0; plane < form.numbers; ++plane) count(tile.layers[layer].number(plane), *counts++, tokenOf);
+        for (uint32_t plane = 0; plane < form.numbers; ++plane) countNumbers(tile.layers[layer].number(plane), *counts++);
         for (uint32_t plane = 0; plane < form.bytes; ++plane) countBytes(tile.layers[layer].byte(plane), *counts++);
       }
     }
