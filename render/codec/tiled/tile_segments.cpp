@@ -15,6 +15,13 @@ namespace {
 size_t planeOf(SegmentNumbers plane) { return static_cast<size_t>(plane); }
 size_t planeOf(SegmentBytes plane) { return static_cast<size_t>(plane); }
 
+/// Half of a normal's code.
+struct NormalPlane {
+  SegmentBytes plane;
+  int shift;
+};
+constexpr NormalPlane kNormalPlanes[]{{SegmentBytes::normalLow, 0}, {SegmentBytes::normalHigh, 8}};
+
 /// The rays of a row of the tile.
 template <class Rays>
 auto rowOfRays(Rays& rays, uint32_t pictureWidth, const TileRect& rect, uint32_t y) {
@@ -122,10 +129,10 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
     putColors(slots_.data(), layer_.runs(), size, differences_.data(), differencesIn<SegmentBytes>(planes));
     if (!segments.normals.empty()) {
       for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
-      for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
-        uint8_t* const out = planes.byte(planeOf(plane)).data();
+      for (const NormalPlane& half : kNormalPlanes) {
+        uint8_t* const out = planes.byte(planeOf(half.plane)).data();
         forEachNeighbors(layer_.runs(), [&](size_t k, const Neighbors& from) {
-          out[k] = static_cast<uint8_t>(channel(slots_[k + 1], shift) - predictedChannel(slots_[from.west], slots_[from.north], slots_[from.northWest], shift));
+          out[k] = static_cast<uint8_t>(channel(slots_[k + 1], half.shift) - predictedChannel(slots_[from.west], slots_[from.north], slots_[from.northWest], half.shift));
         });
       }
     }
@@ -178,10 +185,10 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     }
     if (!segments.normals.empty()) {
       std::ranges::fill(slots_, Rgba8{0});
-      for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
-        const uint8_t* const in = planes_.byte(planeOf(plane)).data();
+      for (const NormalPlane& half : kNormalPlanes) {
+        const uint8_t* const in = planes_.byte(planeOf(half.plane)).data();
         makeFromNeighbors(layer_.runs(), making(slots_.data(), [&](size_t k, Rgba8 west, Rgba8 north, Rgba8 northWest) {
-          return slots_[k + 1] | static_cast<Rgba8>((in[k] + predictedChannel(west, north, northWest, shift)) & 255) << shift;
+          return slots_[k + 1] | static_cast<Rgba8>((in[k] + predictedChannel(west, north, northWest, half.shift)) & 255) << half.shift;
         }));
       }
       for (size_t k = 0; k < size; ++k) segments.normals[at_[k] + l] = static_cast<NormalCode>(slots_[k + 1]);
