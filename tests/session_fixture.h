@@ -114,6 +114,7 @@ class SessionTest : public ::testing::Test {
   }
   /// Every panel's picture is of the current camera, by whatever frame there is, and judged.
   static bool isJudged(const Session& session) {
+    if (session.scene() == nullptr) return false;
     for (size_t i = 0; i < session.panelCount(); ++i) {
       const Panel& panel = session.panel(i);
       if (panel.isHidden) continue;

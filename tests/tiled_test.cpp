@@ -61,23 +61,45 @@ struct SeenRule {
   }
 };
 
+/// Of each value. Says what is wrong with the runs.
+std::vector<Neighbors> neighborsOf(std::span<const NeighborRun> runs) {
+  std::vector<Neighbors> neighbors;
+  for (const NeighborRun& run : runs) {
+    EXPECT_EQ(run.begin, neighbors.size());
+    EXPECT_GT(run.size, 0u);
+    EXPECT_TRUE(run.size == 1 || run.first.west == run.begin) << "what a decoder made last is not what is to the west";
+    for (uint32_t i = 0; i < run.size; ++i) neighbors.push_back(run.at(i));
+  }
+  return neighbors;
+}
+
+/// `seen`: of a pixel that has no neighbours.
+template <class SlotAt, class Seen>
+Neighbors expectedNeighbors(int x, int y, const SlotAt& slotAt, const Seen& seen) {
+  uint32_t west = slotAt(x - 1, y), north = slotAt(x, y - 1), northWest = slotAt(x - 1, y - 1);
+  if (west == 0) west = north;
+  if (north == 0) north = west;
+  if (west == 0) west = north = seen();
+  if (northWest == 0) northWest = north;
+  return {west, north, northWest};
+}
+
 TEST(TileLayer, NeighboursAreThoseOfTheRule) {
   std::mt19937 random(12);
-  for (int round = 0; round < 200; ++round) {
+  TileLayer layer;  // keeps its buffers
+  int fullRows = 0;
+  for (int round = 0; round < 300; ++round) {
     const auto below = [&](uint32_t limit) { return static_cast<uint32_t>(random() % limit); };
-    const TileRect rect{kCodedTileWidth * below(3), kCodedTileHeight * below(3), 1 + below(kCodedTileWidth), 1 + below(kCodedTileHeight)};
-    const uint32_t rarity = 1 + below(12);
+    const bool isWhole = round % 3 == 0;
+    const TileRect rect{kCodedTileWidth * below(3), kCodedTileHeight * below(3), isWhole ? kCodedTileWidth : 1 + below(kCodedTileWidth), isWhole ? kCodedTileHeight : 1 + below(kCodedTileHeight)};
+    const uint32_t inThousand = round % 2 == 0 ? 1000 - below(1 + below(60)) : below(1000);  // nearly full and full, as pictures are; anything
     std::vector<uint8_t> counts(rect.pixels());
-    for (uint8_t& count : counts) count = random() % rarity == 0 ? static_cast<uint8_t>(1 + random() % 3) : 0;
-    TileLayer layer;
+    for (uint8_t& count : counts) count = below(1000) < inThousand ? static_cast<uint8_t>(1 + random() % 3) : 0;
     layer.begin(rect, counts);
+    std::vector<uint32_t> pixelsInFront;
     for (uint32_t l = 0;; ++l) {
-      std::vector<uint32_t> slots(rect.pixels(), 0);
-      std::vector<Neighbors> neighbors;
-      forEachNeighbors(layer.runs(), [&](size_t own, const Neighbors& from) {
-        EXPECT_EQ(own, neighbors.size());
-        neighbors.push_back(from);
-      });
+      std::vector<uint32_t> slots(rect.pixels(), 0), pixels;
+      const std::vector<Neighbors> neighbors = neighborsOf(layer.runs());
       ASSERT_EQ(neighbors.size(), layer.size());
       size_t k = 0;
       for (uint32_t pixel = 0; pixel < rect.pixels(); ++pixel) {
@@ -87,22 +109,64 @@ TEST(TileLayer, NeighboursAreThoseOfTheRule) {
         ASSERT_EQ(layer.pixelOf(k), pixel);
         ASSERT_EQ(layer.columns()[k], rect.x0 + static_cast<uint32_t>(x));
         ASSERT_EQ(layer.rows()[k], rect.y0 + static_cast<uint32_t>(y));
+        if (l > 0) {
+          ASSERT_EQ(pixelsInFront[layer.kept()[k]], pixel);
+        }
         const auto slotAt = [&](int column, int row) { return column < 0 || row < 0 ? 0u : slots[static_cast<size_t>(row) * rect.width + static_cast<size_t>(column)]; };
-        uint32_t west = slotAt(x - 1, y), north = slotAt(x, y - 1), northWest = slotAt(x - 1, y - 1);
-        if (west == 0) west = north;
-        if (north == 0) north = west;
-        if (west == 0) west = north = SeenRule{rect, slots}.at(x, y);
-        if (northWest == 0) northWest = north;
-        const Neighbors own = neighbors[k];
-        ASSERT_EQ(own.west, west) << round << ", " << l << ": " << x << ", " << y;
-        ASSERT_EQ(own.north, north);
-        ASSERT_EQ(own.northWest, northWest);
+        ASSERT_EQ(neighbors[k], expectedNeighbors(x, y, slotAt, [&] { return SeenRule{rect, slots}.at(x, y); })) << round << ", " << l << ": " << x << ", " << y;
+        pixels.push_back(pixel);
         slots[pixel] = static_cast<uint32_t>(++k);
       }
       ASSERT_EQ(k, layer.size());
+      fullRows += rect.width == kCodedTileWidth && layer.size() == rect.pixels() ? 1 : 0;
+      pixelsInFront = std::move(pixels);
       if (!layer.goBehind()) break;
     }
   }
+  EXPECT_GT(fullRows, 0);
+}
+
+TEST(BandLayout, NeighboursAreThoseOfTheRule) {
+  std::mt19937 random(13);
+  BandLayout layout;  // keeps its buffers
+  for (int round = 0; round < 300; ++round) {
+    const auto below = [&](uint32_t limit) { return static_cast<uint32_t>(random() % limit); };
+    const uint32_t width = 1 + below(100), rows = 1 + below(20), firstRow = below(50), rowBytes = (width + 7) / 8;
+    const uint32_t inThousand = round % 2 == 0 ? 1000 - below(1 + below(60)) : below(1000);
+    std::vector<uint8_t> mask(size_t{rowBytes} * rows);
+    std::vector<uint32_t> slots(size_t{width} * rows);
+    for (uint32_t y = 0; y < rows; ++y)
+      for (uint32_t x = 0; x < width; ++x)
+        if (below(1000) < inThousand) mask[size_t{y} * rowBytes + x / 8] |= static_cast<uint8_t>(1u << x % 8);
+    layout.build(width, firstRow, rows, mask);
+    const std::vector<Neighbors> neighbors = neighborsOf(layout.runs);
+    ASSERT_EQ(neighbors.size(), layout.size());
+    uint32_t k = 0;
+    for (uint32_t y = 0; y < rows; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        if ((mask[size_t{y} * rowBytes + x / 8] >> x % 8 & 1) == 0) continue;
+        ASSERT_LT(k, layout.size());
+        ASSERT_EQ(layout.columns[k], x);
+        ASSERT_EQ(layout.rows[k], firstRow + y);
+        const auto slotAt = [&](int column, int row) { return column < 0 || row < 0 ? 0u : slots[static_cast<size_t>(row) * width + static_cast<size_t>(column)]; };
+        ASSERT_EQ(neighbors[k], expectedNeighbors(static_cast<int>(x), static_cast<int>(y), slotAt, [&] { return k; })) << round << ": " << x << ", " << y;
+        slots[size_t{y} * width + x] = ++k;
+      }
+    ASSERT_EQ(k, layout.size());
+  }
+}
+
+/// A format that other machines, devices and releases read: what a frame is coded as does not change by itself. Frames are made up, so that nobody's march has a part in it.
+TEST(TiledPayload, BytesAreThoseOfTheFormat) {
+  std::vector<uint32_t> dense, rays;
+  for (uint32_t pixel = 0; pixel < 150 * 70; ++pixel) {
+    if (pixel % 97 != 5) dense.push_back(pixel);
+    if (pixel % 5 != 0) rays.insert(rays.end(), 1 + pixel % 3, pixel);
+  }
+  SampleFrame layered = withLayers(framedPixels(150, 70, rays), rays);
+  const std::pair<SampleFrame, uint64_t> frames[] = {
+      {garbageFrame(150, 70, 9000, 3), 0x7bbe608ad439ed43u}, {framedPixels(150, 70, dense), 0x66196fc7493c0f94u}, {std::move(layered), 0xcbf4c679059c13d6u}};
+  for (const auto& [frame, hash] : frames) EXPECT_EQ(payloadHash(FrameCodec().encode(frame, kTiled)), hash) << frame.size();
 }
 
 TEST(TiledPayload, TilesOfLayersThatHaveNoModelsAreRefused) {

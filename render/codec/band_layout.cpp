@@ -42,9 +42,9 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
     for (uint32_t byte = 0; byte < rowBytes; ++byte) {
       if (row[byte] == 0) continue;
       isEmpty = false;
-      area.x0 = std::min(area.x0, 8 * byte);
-      area.x1 = std::max(area.x1, std::min(8 * byte + 8, width));
       const uint32_t x0 = 8 * byte;
+      area.x0 = std::min(area.x0, x0);
+      area.x1 = std::max(area.x1, std::min(x0 + 8, width));
       if (row[byte] == 0xff && rowAbove != nullptr && rowAbove[byte] == 0xff && x0 == lastX + 1 && above[x0] != 0) {  // all neighbours are there
         addRun(sample, 8, {sample, above[x0 + 1], above[x0]});
         for (uint32_t i = 0; i < 8; ++i) {
@@ -57,7 +57,7 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
         continue;
       }
       for (uint32_t bits = row[byte]; bits != 0; bits &= bits - 1) {
-        const uint32_t x = 8 * byte + static_cast<uint32_t>(std::countr_zero(bits));
+        const uint32_t x = x0 + static_cast<uint32_t>(std::countr_zero(bits));
         uint32_t west = x == lastX + 1 ? lastSlot : 0, north = above[x + 1], northWest = above[x];
         if (west == 0) west = north;
         if (north == 0) north = west;

@@ -14,8 +14,7 @@ namespace warpscope {
 struct Neighbors {
   uint32_t west, north, northWest;
 
-  /// Each that many further on.
-  Neighbors behind(uint32_t count) const { return {west + count, north + count, northWest + count}; }
+  Neighbors furtherOn(uint32_t count) const { return {west + count, north + count, northWest + count}; }
   bool operator==(const Neighbors&) const = default;
 };
 
@@ -24,7 +23,7 @@ struct NeighborRun {
   uint32_t begin, size;  ///< number of the first; how many
   Neighbors first;       ///< of the first
 
-  Neighbors at(uint32_t i) const { return first.behind(i); }
+  Neighbors at(uint32_t i) const { return first.furtherOn(i); }
 };
 
 /// The pixels that have samples, as a rectangle. x0 is a multiple of 8.

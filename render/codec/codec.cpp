@@ -8,6 +8,7 @@
 
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
+#include "render/codec/frame_order.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/payload_hash.h"
 #include "render/codec/plane_coding.h"
@@ -48,74 +49,6 @@ class Begun {
  private:
   TiledCoder& coder_;
 };
-
-/// Whether every sample begins a ray or is the next of the one before, and none is one more than its ray may have.
-bool countUp(std::span<const uint8_t> layers, int samplesPerRay) {
-  if (layers.empty()) return true;
-  if (samplesPerRay < 1) return false;
-  const auto last = static_cast<uint8_t>(std::min(samplesPerRay, static_cast<int>(kSamplesPerRayRange.highest)) - 1);
-  std::atomic<bool> doAll = layers.front() == 0;
-  parallelForRanges(layers.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
-    // Bytes alone, in locals: many at once.
-    const uint8_t* const layer = layers.data();
-    const uint8_t most = last;
-    uint8_t faults = 0;
-    for (size_t i = begin; i < end; ++i) {
-      const uint8_t own = layer[i + 1], next = static_cast<uint8_t>(layer[i] + 1);
-      faults |= static_cast<uint8_t>((own != 0 && own != next) || own > most);
-    }
-    if (faults != 0) doAll = false;
-  });
-  return doAll;
-}
-
-/// Whether every sample is in a pixel of the picture, every ray in one after that of the ray before, and all samples of a ray in the same.
-/// Without layers every sample is a ray.
-bool areInOrder(const SampleFrame& frame) {
-  const Camera& camera = frame.camera;
-  if (frame.size() == 0) return true;
-  if (camera.width > kMaxImageSide || camera.height > kMaxImageSide) return false;
-  const std::span<const uint8_t> layers = frame.layers();
-  std::atomic<bool> areAll = columnOf(frame.samples.front()) < camera.width && rowOf(frame.samples.back()) < camera.height;
-  parallelForRanges(frame.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
-    // Words alone, in locals: many at once.
-    const PackedSample* const sample = frame.samples.data();
-    const uint32_t width = camera.width;
-    uint32_t faults = 0;
-    if (layers.empty()) {
-      for (size_t i = begin; i < end; ++i) {
-        const uint32_t last = pixelKey(sample[i]), own = pixelKey(sample[i + 1]);
-        faults |= (own <= last ? 1u : 0u) | (columnOf(sample[i + 1]) >= width ? 1u : 0u);
-      }
-    } else {
-      const uint8_t* const layer = layers.data();
-      for (size_t i = begin; i < end; ++i) {
-        const uint32_t last = pixelKey(sample[i]), own = pixelKey(sample[i + 1]), begins = layer[i + 1] == 0 ? 1u : 0u;
-        faults |= (own < last + begins ? 1u : 0u) | ((begins ^ 1u) & (own != last ? 1u : 0u)) | (columnOf(sample[i + 1]) >= width ? 1u : 0u);
-      }
-    }
-    if (faults != 0) areAll = false;
-  });
-  return areAll;
-}
-
-void requireConsistent(const SampleFrame& frame) {
-  if (frame.settings.sample.proxy > 0 && !frame.proxy) throw InputError("a frame whose settings ask for a copy of the volume must have one");
-  if (frame.isAway) return;
-  if (frame.samples.size() != frame.colors.size()) throw InputError("a frame must have a colour for each sample");
-  if (frame.planes.size() > kMaxPlanes) throw InputError("a frame must have at most " + std::to_string(kMaxPlanes) + " planes");
-  for (const SamplePlane& plane : frame.planes) {
-    if (plane.name.empty() || plane.name.size() > kMaxPlaneName)
-      throw InputError("a plane's name must have 1 to " + std::to_string(kMaxPlaneName) + " bytes, not \"" + plane.name + "\"");
-    if (&plane != frame.plane(plane.name)) throw InputError("a frame must not have two planes named \"" + plane.name + "\"");
-    if (bytesOf(plane.element) == 0 || plane.values.size() != frame.size() * bytesOf(plane.element))
-      throw InputError("the frame's plane \"" + plane.name + "\" must have a value for each sample");
-  }
-  if (!countUp(frame.layers(), frame.settings.sample.samplesPerRay))
-    throw InputError("a frame's layers must count up along each ray, from 0, to less than its settings' samplesPerRay");
-  requireConsistentSegments(frame);
-  if (!areInOrder(frame)) throw InputError("a frame's rays must be in pixels of its picture, each in one of its own, in their order");
-}
 
 void clear(SampleFrame& frame) {
   frame.samples.clear();
@@ -161,7 +94,8 @@ Codec& FrameCodec::codecFor(PayloadFormat format) {
 ByteVector FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
   if (frame.isAway && !mayBeAway(frame, settings.format)) return encode(onHost(frame), settings);
-  requireConsistent(frame);
+  if (frame.settings.sample.proxy > 0 && !frame.proxy) throw InputError("a frame whose settings ask for a copy of the volume must have one");
+  if (!frame.isAway) requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
   ByteVector payload;  // a device may still write to it until nothing is begun any more
   const Begun begun(*coder_);

@@ -13,6 +13,7 @@
 
 #include "render/codec/neighbor_runs.h"
 #include "render/core/color.h"
+#include "render/core/transfer_vector.h"
 
 namespace warpscope {
 
@@ -96,15 +97,16 @@ struct ColorDifferences {
   uint8_t* blue;
 };
 
-/// Differences of colours are made so many at a time: behind the last ones of all as many more may be read, and written to.
-inline constexpr size_t kSpareColors = 16;
+inline constexpr size_t kColorsAtOnce = 16;
+/// Behind the last ones of all there is room for so many more, which are read, and written to.
+inline constexpr size_t kSpareColors = kColorsAtOnce - 1;
 
-/// Differences of kSpareColors colours, channel by channel, each of which wraps around: as ColorChannels predicts.
+/// Differences of kColorsAtOnce colours, channel by channel, each of which wraps around: as ColorChannels predicts.
 inline void subtractPredicted(const Rgba8* own, const Rgba8* west, const Rgba8* north, const Rgba8* northWest, Rgba8* __restrict__ differences) {
   const auto bytesOf = [](const Rgba8* colors) { return reinterpret_cast<const uint8_t*>(colors); };
   const uint8_t *const o = bytesOf(own), *const w = bytesOf(west), *const n = bytesOf(north), *const corner = bytesOf(northWest);
   auto* const out = reinterpret_cast<uint8_t*>(differences);
-  for (size_t i = 0; i < kSpareColors * sizeof(Rgba8); ++i) {
+  for (size_t i = 0; i < kColorsAtOnce * sizeof(Rgba8); ++i) {
     const uint8_t low = w[i] < n[i] ? w[i] : n[i], high = w[i] < n[i] ? n[i] : w[i];
     const uint8_t above = corner[i] < low ? low : corner[i], within = above < high ? above : high;
     out[i] = static_cast<uint8_t>(o[i] - w[i] - n[i] + within);
@@ -122,11 +124,21 @@ inline void splitDifferences(const Rgba8* __restrict__ differences, size_t count
   }
 }
 
-/// Of `count` samples. `slots`: their colours, one place on; `differences`: room for as many; both with kSpareColors behind.
-inline void putColors(const Rgba8* slots, std::span<const NeighborRun> runs, size_t count, Rgba8* differences, ColorDifferences out) {
+/// Makes room for colours that putColors() is to be given: the first slot stands for none, and is 0 like those to spare.
+inline void startColors(TransferVector<Rgba8>& slots, size_t count) {
+  slots.resize(1 + count + kSpareColors);
+  slots[0] = 0;
+  std::fill(slots.begin() + 1 + static_cast<std::ptrdiff_t>(count), slots.end(), Rgba8{0});
+}
+
+/// Of `count` samples, whose colours have been put behind the first of the slots that startColors() made. `room`: to work in.
+inline void putColors(const TransferVector<Rgba8>& colors, std::span<const NeighborRun> runs, size_t count, TransferVector<Rgba8>& room, ColorDifferences out) {
+  room.resize(count + kSpareColors);
+  const Rgba8* const slots = colors.data();
+  Rgba8* const differences = room.data();
   for (const NeighborRun& run : runs) {
     const RunSlots from(slots, run);
-    for (size_t i = 0; i < run.size; i += kSpareColors) {  // what is written behind the run is written over by the next one
+    for (size_t i = 0; i < run.size; i += kColorsAtOnce) {  // what is written behind the run is written over by the next one
       const size_t k = run.begin + i;
       subtractPredicted(slots + k + 1, from.west + i, from.north + i, from.northWest + i, differences + k);
     }

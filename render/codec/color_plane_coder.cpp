@@ -78,8 +78,7 @@ uint64_t ColorPlaneCoder::mostBytes(uint32_t width, uint32_t rows, uint64_t samp
 void ColorPlaneCoder::append(ByteVector& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();
-  slots_.resize(1 + count + kSpareColors);
-  slots_[0] = 0;
+  startColors(slots_, count);
   std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
   alpha_.resize(count);
 
@@ -102,8 +101,7 @@ void ColorPlaneCoder::append(ByteVector& out, const BandLayout& layout, uint32_t
   green_.resize(count);
   red_.resize(count);
   blue_.resize(count);
-  differences_.resize(count + kSpareColors);
-  putColors(slots_.data(), layout.runs, count, differences_.data(), {alpha_.data(), green_.data(), red_.data(), blue_.data()});
+  putColors(slots_, layout.runs, count, differences_, {alpha_.data(), green_.data(), red_.data(), blue_.data()});
   appendSection(out, alpha_);
   appendSection(out, green_);
   appendSection(out, red_);

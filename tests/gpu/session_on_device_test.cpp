@@ -33,8 +33,10 @@ class SessionOnDevice : public SessionTest {
   }
   /// A device judges with sums of another order.
   static void expectSameErrors(const Session& expected, const Session& actual) {
+    ASSERT_EQ(actual.panelCount(), expected.panelCount());
     for (size_t i = 0; i < expected.panelCount(); ++i) {
       EXPECT_EQ(actual.panel(i).error, "") << i;
+      ASSERT_TRUE(actual.panel(i).errors && expected.panel(i).errors) << i;
       EXPECT_NEAR(actual.panel(i).errors->flip, expected.panel(i).errors->flip, 1e-4) << i;
       EXPECT_EQ(actual.panel(i).errors->holeFraction, expected.panel(i).errors->holeFraction) << i;
     }
@@ -78,9 +80,19 @@ TEST_F(SessionOnDevice, ShowsDepthsSegmentsAndRaysOfAFrameThatIsThere) {
   Session onCpu(on(Backend::cpu), [] {}), onDevice(on(Backend::cuda), [] {});
   ASSERT_TRUE(load(onCpu, Backend::cpu));
   ASSERT_TRUE(load(onDevice, Backend::cuda));
-  onDevice.lookAt(LookedAt{onDevice.panel(1).id, {0.5, 0.5}});
-  ASSERT_TRUE(pumpUntil(onDevice, [&] { return onDevice.ray().isCurrent(); }));
-  EXPECT_EQ(onDevice.ray().error(), "");
+  for (Session* const session : {&onCpu, &onDevice}) {
+    session->lookAt(LookedAt{session->panel(1).id, {0.5, 0.5}});
+    ASSERT_TRUE(pumpUntil(*session, [&] { return session->ray().isCurrent(); }));
+    EXPECT_EQ(session->ray().error(), "");
+  }
+  const RayResult &expectedRay = *onCpu.ray().result(), &ray = *onDevice.ray().result();
+  EXPECT_FALSE(expectedRay.trace.samples.empty());
+  EXPECT_EQ(ray.trace.color, expectedRay.trace.color);
+  ASSERT_TRUE(ray.missed && expectedRay.missed);
+  EXPECT_EQ(ray.missed->before, expectedRay.missed->before);
+  EXPECT_EQ(ray.missed->seen.kind, expectedRay.missed->seen.kind);
+  EXPECT_EQ(ray.missed->seen.apart, expectedRay.missed->seen.apart);
+  int shown = 0;
   for (const PictureContent content : {PictureContent::depth, PictureContent::segments}) {
     for (Session* const session : {&onCpu, &onDevice}) {
       for (size_t i = 1; i < 3; ++i) session->setContent(i, content);
@@ -91,10 +103,12 @@ TEST_F(SessionOnDevice, ShowsDepthsSegmentsAndRaysOfAFrameThatIsThere) {
       EXPECT_EQ(shown.refusal, expected.refusal);
       ASSERT_EQ(shown.picture.host == nullptr, expected.picture.host == nullptr);
       if (expected.picture.host) {
+        ++shown;
         EXPECT_TRUE(*shown.picture.host == *expected.picture.host) << i << ", " << describe(content).name;
       }
     }
   }
+  EXPECT_GE(shown, 3);  // depths of both, segments of one
 }
 
 }  // namespace

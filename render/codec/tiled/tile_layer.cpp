@@ -117,7 +117,7 @@ uint32_t TileLayer::slotAt(uint32_t x, uint32_t y) const {
   return rowBegins_[y] + static_cast<uint32_t>(std::popcount(masks_[y] & lowBits(x))) + 1;
 }
 
-/// Of element `k`, which is that pixel.
+/// Of the pixel, whose element is `k`.
 Neighbors TileLayer::neighborsAt(uint32_t x, uint32_t y, uint32_t k) const {
   uint32_t west = x > 0 && (masks_[y] >> (x - 1) & 1) != 0 ? k : 0;
   uint32_t north = y > 0 ? slotAt(x, y - 1) : 0;

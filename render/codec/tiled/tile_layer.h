@@ -16,7 +16,7 @@ namespace warpscope {
 /// Keeps its buffers. Layers are gone through from the front.
 class TileLayer {
  public:
-  /// The front layer. `counts`: how many layers each pixel of the tile has, row by row; they stay where they are.
+  /// The front layer. `counts`: how many layers each pixel of the tile has, row by row; they stay where they are. The tile is one of a grid's.
   void begin(const TileRect& tile, std::span<const uint8_t> counts);
   /// Goes on to the next layer. False if no pixel has one; the layer is no longer to be used then.
   bool goBehind();

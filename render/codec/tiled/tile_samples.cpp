@@ -144,10 +144,8 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
     samples_.resize(size);
     places_.resize(size);
     codes_.resize(size);
-    slots_.resize(1 + size + kSpareColors);
-    differences_.resize(size + kSpareColors);
+    startColors(slots_, size);
     fine_.resize(size + 1);
-    slots_[0] = 0;
     fine_[0] = 0;
     forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
       std::copy_n(frame.samples.data() + at, count, samples_.data() + k);
@@ -165,7 +163,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
       for (size_t k = 0; k < size; ++k) difference[k] = zigzag(static_cast<int32_t>(depthCode(sample[k])) - static_cast<int32_t>(likely[k]));
     }
     putRadii(radius, layer_.runs(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
-    putColors(slots_.data(), layer_.runs(), size, differences_.data(), differencesIn<SampleBytes>(planes));
+    putColors(slots_, layer_.runs(), size, differences_, differencesIn<SampleBytes>(planes));
     if (!layer_.goBehind()) return;
     goBehind();
   }

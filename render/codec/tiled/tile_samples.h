@@ -22,7 +22,7 @@ constexpr SheetForm sampleForm(bool hasLayers) {
 /// One tile at a time; keeps its buffers.
 class TileSamples {
  public:
-  /// Fills what the sheet has of the tile. `rows`: of each of its rows.
+  /// Fills what the sheet has of the tile. `rows`: of each of its rows. The frame's samples are in order (frame_order.h).
   void pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile);
 
   /// Fills `counts` (samples of each pixel) from the tile's shapes, which the stream begins with. False if they are none of a tile whose pixels have at most `most`
@@ -40,7 +40,7 @@ class TileSamples {
   PixelPaths paths_;
   SheetLayer planes_;
   TransferVector<uint8_t> counts_, symbols_;
-  TransferVector<uint32_t> at_;  // of each element of the layer, its ray's first sample among the frame's
+  TransferVector<uint32_t> at_;  // of each element of the layer, its ray's first sample among the frame's; none where rays have one each
   TransferVector<PackedSample> samples_;
   TransferVector<Rgba8> slots_, differences_;
   TransferVector<int32_t> places_, fine_;

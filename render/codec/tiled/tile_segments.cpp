@@ -48,10 +48,8 @@ void TileSegments::startLayer() {
   for (TransferVector<uint32_t>* values : {&codes_, &endCodes_, &likely_}) values->resize(size);
   for (TransferVector<int32_t>* values : {&places_, &endPlaces_}) values->resize(size);
   fine_.resize(size + 1);
-  slots_.resize(1 + size + kSpareColors);
-  differences_.resize(size + kSpareColors);
+  startColors(slots_, size);
   fine_[0] = 0;
-  slots_[0] = 0;
 }
 
 bool TileSegments::goBehind() {
@@ -126,7 +124,7 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
     putBorders(planes, l == 0);
-    putColors(slots_.data(), layer_.runs(), size, differences_.data(), differencesIn<SegmentBytes>(planes));
+    putColors(slots_, layer_.runs(), size, differences_, differencesIn<SegmentBytes>(planes));
     if (!segments.normals.empty()) {
       for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
       for (const NormalPlane& half : kNormalPlanes) {

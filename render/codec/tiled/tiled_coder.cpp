@@ -6,18 +6,20 @@
 #include <utility>
 
 #include "render/base/error.h"
+#include "render/codec/frame_order.h"
 #include "render/codec/tiled/tiled_samples.h"
 #include "render/codec/tiled/tiled_segments.h"
 
 namespace warpscope {
 namespace {
 
+/// One that was away has not been looked at by the codec.
 template <class Work>
 void withFrameHere(const SampleFrame& frame, const Work& work) {
-  if (frame.isAway)
-    work(onHost(frame));
-  else
-    work(frame);
+  if (!frame.isAway) return work(frame);
+  const SampleFrame here = onHost(frame);
+  requireConsistent(here);
+  work(here);
 }
 
 class HostTiledCoder final : public TiledCoder {
