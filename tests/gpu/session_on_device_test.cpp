@@ -92,7 +92,7 @@ TEST_F(SessionOnDevice, ShowsDepthsSegmentsAndRaysOfAFrameThatIsThere) {
   EXPECT_EQ(ray.missed->before, expectedRay.missed->before);
   EXPECT_EQ(ray.missed->seen.kind, expectedRay.missed->seen.kind);
   EXPECT_EQ(ray.missed->seen.apart, expectedRay.missed->seen.apart);
-  int shown = 0;
+  int pictures = 0;
   for (const PictureContent content : {PictureContent::depth, PictureContent::segments}) {
     for (Session* const session : {&onCpu, &onDevice}) {
       for (size_t i = 1; i < 3; ++i) session->setContent(i, content);
@@ -103,12 +103,12 @@ TEST_F(SessionOnDevice, ShowsDepthsSegmentsAndRaysOfAFrameThatIsThere) {
       EXPECT_EQ(shown.refusal, expected.refusal);
       ASSERT_EQ(shown.picture.host == nullptr, expected.picture.host == nullptr);
       if (expected.picture.host) {
-        ++shown;
+        ++pictures;
         EXPECT_TRUE(*shown.picture.host == *expected.picture.host) << i << ", " << describe(content).name;
       }
     }
   }
-  EXPECT_GE(shown, 3);  // depths of both, segments of one
+  EXPECT_GE(pictures, 3);  // depths of both, segments of one
 }
 
 }  // namespace
