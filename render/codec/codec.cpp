@@ -3,7 +3,6 @@
 #include "render/codec/codec.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 
 #include "render/base/error.h"
@@ -17,7 +16,6 @@
 #include "render/codec/segment_coding.h"
 #include "render/codec/tiled/tiled_codec.h"
 #include "render/core/freed_memory.h"
-#include "render/core/parallel.h"
 #include "render/core/picture_size.h"
 
 namespace warpscope {
