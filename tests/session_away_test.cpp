@@ -47,11 +47,6 @@ class SessionAway : public SessionTest {
     };
     return job;
   }
-  bool load(Session& session, LoadJob job) {
-    session.setPanelSize(kPanelPx);
-    session.load(std::move(job));
-    return pumpUntil(session, [&] { return session.loading().empty() && session.scene() != nullptr; }) && settle(session);
-  }
 
   std::atomic<bool> isLost_ = false;
 };

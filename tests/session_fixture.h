@@ -132,6 +132,11 @@ class SessionTest : public ::testing::Test {
     return true;
   }
 
+  bool load(Session& session, LoadJob job) {
+    session.setPanelSize(kPanelPx);
+    session.load(std::move(job));
+    return pumpUntil(session, [&] { return session.loading().empty() && session.scene() != nullptr; }) && settle(session);
+  }
   bool open(const std::string& name) {
     session_.load(builtin(name));
     return pumpUntil([&] { return session_.loading().empty(); }) && settle();  // the scene before may be at rest

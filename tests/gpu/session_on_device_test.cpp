@@ -26,11 +26,6 @@ class SessionOnDevice : public SessionTest {
               return hostScene(io, std::move(scene), marcher, transport, onNews, stop, DecodedPlace::device);
             }};
   }
-  bool load(Session& session, Backend backend) {
-    session.setPanelSize(kPanelPx);
-    session.load(shells(backend));
-    return pumpUntil(session, [&] { return session.loading().empty() && session.scene() != nullptr; }) && settle(session);
-  }
   /// A device judges with sums of another order.
   static void expectSameErrors(const Session& expected, const Session& actual) {
     ASSERT_EQ(actual.panelCount(), expected.panelCount());
@@ -46,8 +41,8 @@ class SessionOnDevice : public SessionTest {
 TEST_F(SessionOnDevice, ShowsWhatACpuShows) {
   WARPSCOPE_NEEDS_GPU();
   Session onCpu(on(Backend::cpu), [] {}), onDevice(on(Backend::cuda), [] {});
-  ASSERT_TRUE(load(onCpu, Backend::cpu));
-  ASSERT_TRUE(load(onDevice, Backend::cuda));
+  ASSERT_TRUE(load(onCpu, shells(Backend::cpu)));
+  ASSERT_TRUE(load(onDevice, shells(Backend::cuda)));
   EXPECT_TRUE(onDevice.groundTruth().followsCamera());
   expectSameErrors(onCpu, onDevice);
   for (Session* const session : {&onCpu, &onDevice}) {
@@ -78,8 +73,8 @@ TEST_F(SessionOnDevice, ShowsWhatACpuShows) {
 TEST_F(SessionOnDevice, ShowsDepthsSegmentsAndRaysOfAFrameThatIsThere) {
   WARPSCOPE_NEEDS_GPU();
   Session onCpu(on(Backend::cpu), [] {}), onDevice(on(Backend::cuda), [] {});
-  ASSERT_TRUE(load(onCpu, Backend::cpu));
-  ASSERT_TRUE(load(onDevice, Backend::cuda));
+  ASSERT_TRUE(load(onCpu, shells(Backend::cpu)));
+  ASSERT_TRUE(load(onDevice, shells(Backend::cuda)));
   for (Session* const session : {&onCpu, &onDevice}) {
     session->lookAt(LookedAt{session->panel(1).id, {0.5, 0.5}});
     ASSERT_TRUE(pumpUntil(*session, [&] { return session->ray().isCurrent(); }));

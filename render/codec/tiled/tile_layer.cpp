@@ -15,7 +15,7 @@ static_assert(kCodedTileWidth == 64, "a row's mask is a word");
 /// The lowest bits.
 uint64_t lowBits(uint32_t count) { return count < 64 ? (uint64_t{1} << count) - 1 : ~uint64_t{0}; }
 
-uint64_t maskOf(const uint8_t* counts, uint32_t width) {
+uint64_t covered(const uint8_t* counts, uint32_t width) {
   uint64_t mask = 0;
   for (uint32_t x = 0; x < width; x += 8) mask |= uint64_t{coveredBits(counts + x, std::min(width - x, 8u))} << x;
   return mask;
@@ -45,7 +45,7 @@ void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
   uint32_t* const rowOf = rows_.data();
   uint32_t k = 0;
   for (uint32_t y = 0; y < tile.height; ++y) {
-    masks_[y] = maskOf(counts.data() + size_t{y} * tile.width, tile.width);
+    masks_[y] = covered(counts.data() + size_t{y} * tile.width, tile.width);
     rowBegins_[y] = k;
     if (masks_[y] == lowBits(tile.width)) {
       fillRow(tile.width, tile.x0, tile.y0 + y, columnOf + k, rowOf + k);

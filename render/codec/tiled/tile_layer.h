@@ -29,6 +29,8 @@ class TileLayer {
   std::span<const uint32_t> rows() const { return rows_; }
   /// Of all elements, one after the other.
   std::span<const NeighborRun> runs() const { return runs_; }
+  /// Which columns of a row of the tile have an element, the first in the lowest bit.
+  uint64_t maskOf(uint32_t row) const { return masks_[row]; }
   /// Which elements of the layer in front the layer's are behind. Not of the front layer.
   std::span<const uint32_t> kept() const { return kept_; }
 
@@ -43,7 +45,7 @@ class TileLayer {
   uint32_t layer_ = 0;
   uint8_t deepest_ = 0;  // how many layers there are
   TransferVector<uint32_t> columns_, rows_, kept_;
-  std::array<uint64_t, kCodedTileHeight> masks_{};      // of each row which columns have something, the first in the lowest bit
+  std::array<uint64_t, kCodedTileHeight> masks_{};      // of each row
   std::array<uint32_t, kCodedTileHeight> rowBegins_{};  // of each row, its first element
   TransferVector<NeighborRun> runs_;
 };

@@ -17,12 +17,11 @@ namespace {
 size_t planeOf(SampleNumbers plane) { return static_cast<size_t>(plane); }
 
 /// Each row changed by the row above.
-void putMask(std::span<const uint8_t> counts, const TileRect& rect, TransferVector<uint8_t>& changes) {
+void putMask(const TileLayer& front, const TileRect& rect, TransferVector<uint8_t>& changes) {
   const uint32_t rowBytes = rect.maskRowBytes();
   changes.resize(size_t{rowBytes} * rect.height);
   for (uint32_t y = 0; y < rect.height; ++y)
-    for (uint32_t byte = 0; byte < rowBytes; ++byte)
-      changes[size_t{y} * rowBytes + byte] = static_cast<uint8_t>(coveredBits(counts.data() + size_t{y} * rect.width + 8 * byte, std::min(rect.width - 8 * byte, 8u)));
+    for (uint32_t byte = 0; byte < rowBytes; ++byte) changes[size_t{y} * rowBytes + byte] = static_cast<uint8_t>(front.maskOf(y) >> 8 * byte);
   for (size_t i = changes.size(); i-- > rowBytes;) changes[i] ^= changes[i - rowBytes];
 }
 
@@ -122,8 +121,8 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
   countSamples(frame, rect, ownRows, hasLayers);
   const SheetForm form = sampleForm(hasLayers);
   tile.layerCount = 0;
-  putMask(counts_, rect, tile.shapes[0]);
   layer_.begin(rect, counts_);
+  putMask(layer_, rect, tile.shapes[0]);
   if (layer_.size() == 0) {
     tile.shapes[1].clear();
     return;
