@@ -89,6 +89,12 @@ TEST(AnsModel, WhatDoesNotAddUpIsNone) {
   }
 }
 
+std::vector<uint8_t> tokensOf(std::span<const uint32_t> numbers) {
+  std::vector<uint8_t> tokens(numbers.size());
+  findTokens(numbers, tokens);
+  return tokens;
+}
+
 RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
   std::mt19937 random(*rc::gen::arbitrary<uint32_t>());
   const auto size = *rc::gen::inRange<size_t>(0, 700);
@@ -103,7 +109,7 @@ RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
     stream.clear();
     writer.begin();
     if (!second.empty()) writer.putBytes(AnsWriterModel(models[2]), second);
-    if (!numbers.empty()) writer.putNumbers(AnsWriterModel(models[1]), numbers);
+    if (!numbers.empty()) writer.putNumbers(AnsWriterModel(models[1]), numbers, tokensOf(numbers));
     if (!first.empty()) writer.putBytes(AnsWriterModel(models[0]), first);
     writer.finish(stream);
   }
@@ -287,7 +293,7 @@ RC_GTEST_PROP(AnsLanes, AreWhatOneStateAfterTheOtherMakes, ()) {
   AnsWriter writer;
   PlainWriter plain;
   writer.begin();
-  writer.putNumbers(AnsWriterModel(ofNumbers), numbers), plain.putNumbers(ofNumbers, numbers);
+  writer.putNumbers(AnsWriterModel(ofNumbers), numbers, tokensOf(numbers)), plain.putNumbers(ofNumbers, numbers);
   writer.putBytes(AnsWriterModel(ofSymbols), symbols), plain.putBytes(ofSymbols, symbols);
   ByteVector stream;
   writer.finish(stream);

@@ -11,6 +11,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "render/codec/neighbor_rows.h"
 #include "render/codec/neighbor_runs.h"
 #include "render/core/color.h"
 #include "render/core/transfer_vector.h"
@@ -146,18 +147,34 @@ inline void putColors(const TransferVector<Rgba8>& colors, std::span<const Neigh
   splitDifferences(differences, count, out.alpha, out.green, out.red, out.blue);
 }
 
-/// Back: what the planes say, in slots that makingColors() makes colours of.
-inline void joinDifferences(ColorDifferences in, size_t count, Rgba8* slots) {
+/// Back: what the planes say, for makingColors(), which may make colours in its place, one place on, or elsewhere.
+inline void joinDifferences(ColorDifferences in, size_t count, Rgba8* differences) {
   for (size_t i = 0; i < count; ++i) {
     const Rgba8 green = in.green[i];
-    slots[i + 1] = ((in.red[i] + green) & 255) | green << 8 | ((in.blue[i] + green) & 255) << 16 | static_cast<Rgba8>(in.alpha[i]) << 24;
+    differences[i] = ((in.red[i] + green) & 255) | green << 8 | ((in.blue[i] + green) & 255) << 16 | static_cast<Rgba8>(in.alpha[i]) << 24;
   }
 }
-inline auto makingColors(Rgba8* slots) {
-  const auto make = [slots](size_t k, const ColorChannels& west, const ColorChannels& north, const ColorChannels& northWest) {
-    return ColorChannels::predicted(west, north, northWest) + ColorChannels(slots[k + 1]);
+inline auto makingColors(const Rgba8* differences, Rgba8* slots) {
+  const auto make = [differences](size_t k, const ColorChannels& west, const ColorChannels& north, const ColorChannels& northWest) {
+    return ColorChannels::predicted(west, north, northWest) + ColorChannels(differences[k]);
   };
   return Making<Rgba8, ColorChannels, decltype(make)>(slots, make);
 }
+/// The same for rows (neighbor_rows.h). Differences are not where colours go.
+struct ColorsInRows {
+  static constexpr size_t kInputs = 1;
+
+  const Rgba8* differences;
+  Rgba8* colors;  ///< slots
+
+  const Rgba8* input(size_t) const { return differences; }
+  const Rgba8* slots() const { return colors; }
+  Rgba8* out() const { return colors + 1; }
+  RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& color) const {
+    color = reinterpret_cast<RowLanes>(reinterpret_cast<ByteRowLanes>(predictedLanes<ByteRowLanes>(west, north, northWest)) + reinterpret_cast<ByteRowLanes>(inputs[0]));
+    return color;
+  }
+  void finish(size_t, size_t) const {}
+};
 
 }  // namespace warpscope

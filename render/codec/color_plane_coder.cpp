@@ -133,8 +133,8 @@ DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, 
     red_.resize(count);
     blue_.resize(count);
     if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-    joinDifferences({alpha_.data(), green_.data(), red_.data(), blue_.data()}, count, slots_.data());
-    makeFromNeighbors(layout.runs, makingColors(slots_.data()));
+    joinDifferences({alpha_.data(), green_.data(), red_.data(), blue_.data()}, count, slots_.data() + 1);
+    makeFromNeighbors(layout.runs, makingColors(slots_.data() + 1, slots_.data()));
   }
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;

@@ -3,6 +3,7 @@
 #include "render/codec/pixel_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,7 +16,7 @@ void PixelPaths::narrow(std::span<const uint32_t> kept) {
   };
   keep(origin_);
   if (placement_ == Placement::depth) return;
-  for (TransferVector<float>* values : {&fromX_, &fromY_, &fromZ_, &x_, &y_, &z_, &cosine_, &t0_, &length_}) keep(*values);
+  for (TransferVector<float>* values : {&cosine_, &t0_, &length_}) keep(*values);
   keep(count_);
 }
 
@@ -31,49 +32,48 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     return;
   }
   fineBits_ = fineBitsOf(placement);
-  for (auto* values : {&fromX_, &fromY_, &fromZ_, &x_, &y_, &z_, &cosine_, &t0_, &length_}) values->resize(count);
+  for (auto* values : {&cosine_, &t0_, &length_}) values->resize(count);
   count_.resize(count);
   // Loops read and write through locals only: what they write cannot be what they read then.
   const PixelGrid grid = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   const Box bounds = frame.quantization.bounds;
-  float *const fromX = fromX_.data(), *const fromY = fromY_.data(), *const fromZ = fromZ_.data();
-  float *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data();
   float* const cosines = cosine_.data();
   const uint32_t* const column = columns.data();
   const uint32_t* const row = rows.data();
   float* const t0s = t0_.data();
   float* const lengths = length_.data();
   int32_t* const counts = count_.data();
-  int32_t* const origins = origin_.data();
+  int32_t* const placeOrigins = origin_.data();
   const float step = step_;
   const Jitter jitter = jitterFor(frame.settings.render);
   constexpr size_t kAtOnce = 512;  // whose values stay in the nearest cache from one loop to the next
+  using Coordinates = std::array<std::array<float, kAtOnce>, 3>;
+  Coordinates from, direction;  // of rays
   for (size_t begin = 0; begin < count; begin += kAtOnce) {
     const size_t end = std::min(begin + kAtOnce, count);
     // Two loops: of one with seven results GCC 12 makes no vectors.
     for (size_t k = begin; k < end; ++k) {
       const PixelRay pixel = grid.ray(column[k], row[k]);
-      xs[k] = pixel.ray.direction.x;
-      ys[k] = pixel.ray.direction.y;
-      zs[k] = pixel.ray.direction.z;
+      direction[0][k - begin] = pixel.ray.direction.x;
+      direction[1][k - begin] = pixel.ray.direction.y;
+      direction[2][k - begin] = pixel.ray.direction.z;
       cosines[k] = pixel.cosine;
     }
     for (size_t k = begin; k < end; ++k) {
       const glm::vec3 origin = grid.ray(column[k], row[k]).ray.origin;
-      fromX[k] = origin.x;
-      fromY[k] = origin.y;
-      fromZ[k] = origin.z;
+      from[0][k - begin] = origin.x;
+      from[1][k - begin] = origin.y;
+      from[2][k - begin] = origin.z;
     }
     // intersectBox, axis by axis.
     std::fill(t0s + begin, t0s + end, 0.0f);
     std::fill(lengths + begin, lengths + end, bounds.isEmpty() ? -1.0f : std::numeric_limits<float>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
-      const float* const origin = axis == 0 ? fromX : axis == 1 ? fromY : fromZ;
-      const float* const directions = axis == 0 ? xs : axis == 1 ? ys : zs;
+      const float *const origins = from[axis].data(), *const directions = direction[axis].data();
       const float lower = bounds.lower[axis], upper = bounds.upper[axis];
       for (size_t k = begin; k < end; ++k) {
         RayInterval inside{t0s[k], lengths[k]};
-        clipToSlab(inside, origin[k], reciprocalOf(directions[k]), lower, upper);
+        clipToSlab(inside, origins[k - begin], reciprocalOf(directions[k - begin]), lower, upper);
         t0s[k] = inside.tNear;
         lengths[k] = inside.tFar;
       }
@@ -83,7 +83,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
       t0s[k] = path.t0;
       lengths[k] = path.length;
       counts[k] = path.count;
-      origins[k] = path.origin;
+      placeOrigins[k] = path.origin;
     }
   }
 }

@@ -49,7 +49,6 @@ class PixelPaths {
   Placement placement_ = Placement::depth;
   float step_ = 1.0f, depthStep_ = 1.0f;
   int fineBits_ = 0;
-  TransferVector<float> fromX_, fromY_, fromZ_, x_, y_, z_;  // where rays begin, and their directions
   TransferVector<float> cosine_;
   TransferVector<float> t0_, length_;  // the ray's lattice
   TransferVector<int32_t> count_;

@@ -13,47 +13,107 @@ namespace {
 
 constexpr size_t kWord = sizeof(uint16_t);
 
-uint32_t stepsOf(size_t symbols) { return static_cast<uint32_t>((symbols + kAnsLanes - 1) / kAnsLanes); }
-uint32_t lanesOf(size_t symbols, uint32_t step) { return static_cast<uint32_t>(std::min<size_t>(symbols - size_t{step} * kAnsLanes, kAnsLanes)); }
-
 /// Words in front of those that there are which vectors may write to besides.
 constexpr size_t kSpareWords = 16;
-
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-static_assert(kSpareWords >= kAnsVectorLanes);
-
-/// Calls `f` with the first of each vector's lanes.
-template <class F>
-void forEachVector(const F& f) {
-  for (uint32_t lane = 0; lane < kAnsLanes; lane += kAnsVectorLanes) f(lane);
-}
-template <class F>
-void forEachVectorFromTheEnd(const F& f) {
-  for (uint32_t lane = kAnsLanes; lane > 0;) f(lane -= kAnsVectorLanes);
-}
-#endif
 
 /// The bits of a number behind its token that a state takes first, and those that are left.
 uint32_t firstRest(uint32_t bits) { return std::min(bits, kAnsRestBits); }
 
+/// States one after the other: those of the first lanes.
+class SingleStates {
+ public:
+  explicit SingleStates(std::array<uint32_t, kAnsLanes>& states, uint32_t lanes = kAnsLanes) : states_(states), lanes_(lanes) {}
+
+  /// Puts a symbol a lane. Returns where words begin then.
+  uint16_t* put(const AnsWriterModel& model, const uint8_t* symbols, uint16_t* at) {
+    for (uint32_t lane = lanes_; lane-- > 0;) {
+      const AnsShare share = model.model.share(symbols[lane]);
+      uint16_t word;
+      if (ansGives(states_[lane], share, word)) *--at = word;
+      states_[lane] = ansPut(states_[lane], share);
+    }
+    return at;
+  }
+  /// The same of what numbers' tokens leave open, as much of it from bit `shift` on as a state takes at once.
+  uint16_t* putRests(const uint32_t* numbers, uint32_t shift, uint16_t* at) {
+    for (uint32_t lane = lanes_; lane-- > 0;) {
+      const uint32_t rest = restBits(tokenOf(numbers[lane])), count = firstRest(rest > shift ? rest - shift : 0);
+      if (count == 0) continue;
+      uint16_t word;
+      if (ansGivesForBits(states_[lane], count, word)) *--at = word;
+      states_[lane] = ansPutBits(states_[lane], numbers[lane] >> shift & ((1u << count) - 1), count);
+    }
+    return at;
+  }
+
+ private:
+  std::array<uint32_t, kAnsLanes>& states_;
+  uint32_t lanes_;
+};
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+static_assert(kSpareWords >= kAnsVectorLanes);
+using WholeStates = AnsStates;
+#else
+using WholeStates = SingleStates;
+#endif
+
+/// What the tokens of a step's numbers leave open.
+template <class States>
+uint16_t* putRests(States& states, const uint32_t* numbers, uint32_t lanes, uint16_t* at) {
+  uint32_t any = 0;
+  for (uint32_t lane = 0; lane < lanes; ++lane) any |= numbers[lane];
+  for (const uint32_t shift : {kAnsRestBits, 0u})
+    if (any >> shift >= kDirectTokens >> 2) at = states.putRests(numbers, shift, at);  // else no rest, which leaves out the two highest bits, goes so far
+  return at;
+}
+
+/// step(states, number of the first symbol, how many) of `size` symbols, from the end.
+template <class Step>
+void forEachStepFromTheEnd(std::array<uint32_t, kAnsLanes>& states, size_t size, const Step& step) {
+  const auto few = static_cast<uint32_t>(size % kAnsLanes);
+  size_t at = size - few;
+  if (few > 0) {
+    SingleStates first(states, few);
+    step(first, at, few);
+  }
+  WholeStates all(states);
+  while (at > 0) step(all, at -= kAnsLanes, kAnsLanes);
+}
+
 }  // namespace
 
-void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens) {
+void findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens) {
+  const uint32_t* const number = numbers.data();
+  uint8_t* const token = tokens.data();
+  size_t i = 0;
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
-  if (lanes == kAnsLanes)
-    return forEachVector([&](uint32_t lane) {
-      const AnsVector own = loadedLanes(numbers + lane);
-      storeLanes(tokensOf(own, restsOf(own)), tokens + lane);
-    });
+  for (; i + kAnsVectorLanes <= numbers.size(); i += kAnsVectorLanes) {
+    const AnsVector own = loadedLanes(number + i);
+    storeLanes(bitsOf(areLess(AnsVector{} + (kDirectTokens - 1), own)) == 0 ? own : tokensOf(own, restsOf(own)), token + i);
+  }
 #endif
-  for (uint32_t lane = 0; lane < lanes; ++lane) tokens[lane] = tokenOf(numbers[lane]);
+  for (; i < numbers.size(); ++i) token[i] = static_cast<uint8_t>(tokenOf(number[i]));
 }
 
 AnsWriterModel::AnsWriterModel(const AnsModel& theModel) : model(theModel) {
   for (uint32_t s = 0; s < kAnsSymbols; ++s) {
-    const AnsShare share = model.share(s);
-    shares[s] = share.start | share.frequency << 16;
-    reciprocals[s] = ansReciprocal(share.frequency);
+    const AnsWriterShare share = AnsWriterShare::of(model.share(s));
+    multipliers[s] = share.multiplier;
+    parts[s] = share.parts;
+  }
+  const auto frequencies = model.frequencies();
+  uint32_t sum = 0, most = 0;
+  for (uint32_t s = 0; s < kAnsSymbols + kNear; ++s) {  // sum: of the kNear symbols up to s
+    sum += frequencies[s % kAnsSymbols];
+    if (s < kNear) continue;
+    sum -= frequencies[s - kNear];
+    if (sum <= most) continue;
+    most = sum;
+    nearest = static_cast<uint8_t>(s - kNear + 1);
+  }
+  for (uint32_t i = 0; i < kNear; ++i) {
+    nearMultipliers[i] = multipliers[(nearest + i) % kAnsSymbols];
+    nearParts[i] = parts[(nearest + i) % kAnsSymbols];
   }
 }
 
@@ -74,76 +134,25 @@ uint16_t* AnsWriter::reserve(size_t words) {
   return words_.data() + first_;
 }
 
-/// Puts the symbols of a step, one for each of the first lanes. Returns where words begin then.
-template <class T>
-uint16_t* AnsWriter::putStep(const AnsWriterModel& model, const T* symbols, uint32_t lanes, uint16_t* at) {
-  uint32_t* const states = states_.data();
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-  if (lanes == kAnsLanes) {
-    forEachVectorFromTheEnd([&](uint32_t lane) { at = putLanes(model, symbols + lane, states + lane, at); });
-    return at;
-  }
-#endif
-  for (uint32_t lane = lanes; lane-- > 0;) {
-    const AnsShare share = model.model.share(symbols[lane]);
-    uint16_t word;
-    if (ansGives(states[lane], share, word)) *--at = word;
-    states[lane] = ansPut(states[lane], share);
-  }
-  return at;
-}
-
 void AnsWriter::putBytes(const AnsWriterModel& model, std::span<const uint8_t> symbols) {
   if (model.model.isConstant()) return;
   uint16_t* at = reserve(symbols.size());
   const uint16_t* const before = at;
-  for (uint32_t step = stepsOf(symbols.size()); step-- > 0;) at = putStep(model, symbols.data() + size_t{step} * kAnsLanes, lanesOf(symbols.size(), step), at);
+  forEachStepFromTheEnd(states_, symbols.size(), [&](auto& states, size_t first, uint32_t) { at = states.put(model, symbols.data() + first, at); });
   first_ -= static_cast<size_t>(before - at);
 }
 
-/// Puts what the tokens of a step's numbers leave open. `any`: all bits of all of these.
-uint16_t* AnsWriter::putRests(const uint32_t* numbers, uint32_t lanes, uint32_t any, uint16_t* at) {
-  uint32_t* const states = states_.data();
-  for (const uint32_t shift : {kAnsRestBits, 0u}) {
-    if (any >> shift < kDirectTokens >> 2) continue;  // no rest, which leaves out the two highest bits, goes so far
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-    if (lanes == kAnsLanes) {
-      forEachVectorFromTheEnd([&](uint32_t lane) { at = putRestLanes(numbers + lane, shift, states + lane, at); });
-      continue;
-    }
-#endif
-    for (uint32_t lane = lanes; lane-- > 0;) {
-      const uint32_t rest = restBits(tokenOf(numbers[lane])), count = firstRest(rest > shift ? rest - shift : 0);
-      if (count == 0) continue;
-      uint16_t word;
-      if (ansGivesForBits(states[lane], count, word)) *--at = word;
-      states[lane] = ansPutBits(states[lane], numbers[lane] >> shift & ((1u << count) - 1), count);
-    }
-  }
-  return at;
-}
-
-void AnsWriter::putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers) {
+void AnsWriter::putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers, std::span<const uint8_t> tokens) {
   constexpr size_t kMostWords = 3;  // of a token and both parts of its rest
   uint16_t* at = reserve(kMostWords * numbers.size());
   const uint16_t* const before = at;
-  const uint32_t* const number = numbers.data();
   const bool isConstant = model.model.isConstant();
-  for (uint32_t step = stepsOf(numbers.size()); step-- > 0;) {
-    const uint32_t lanes = lanesOf(numbers.size(), step);
-    const uint32_t* const own = number + size_t{step} * kAnsLanes;
-    uint32_t any = 0;
-    for (uint32_t lane = 0; lane < lanes; ++lane) any |= own[lane];
-    if (any >= kDirectTokens) at = putRests(own, lanes, any, at);
-    if (isConstant) continue;
-    if (any < kDirectTokens) {
-      at = putStep(model, own, lanes, at);
-      continue;
-    }
-    alignas(64) uint32_t tokens[kAnsLanes];
-    findTokens(own, lanes, tokens);
-    at = putStep(model, tokens, lanes, at);
-  }
+  forEachStepFromTheEnd(states_, numbers.size(), [&](auto& states, size_t first, uint32_t lanes) {
+    uint8_t any = 0;
+    for (uint32_t lane = 0; lane < lanes; ++lane) any |= tokens[first + lane];
+    if (any >= kDirectTokens) at = putRests(states, numbers.data() + first, lanes, at);
+    if (!isConstant) at = states.put(model, tokens.data() + first, at);
+  });
   first_ -= static_cast<size_t>(before - at);
 }
 
@@ -170,17 +179,6 @@ AnsReader::AnsReader(std::span<const std::byte> bytes) : hasStream_(!bytes.empty
 /// Gives words to the first lanes that want some.
 inline void AnsReader::refill(uint32_t lanes) {
   uint32_t* const states = states_.data();
-  if (hasWordsForAll()) {
-    const std::byte* at = words_.data() + next_;
-    for (uint32_t lane = 0; lane < lanes; ++lane) {
-      const uint32_t state = states[lane], filled = state << 16 | loadLittle<uint16_t>(at);
-      const bool wants = ansWants(state);
-      states[lane] = wants ? filled : state;
-      at += wants ? kWord : 0;
-    }
-    next_ = static_cast<size_t>(at - words_.data());
-    return;
-  }
   for (uint32_t lane = 0; lane < lanes; ++lane) {
     if (!ansWants(states[lane])) continue;
     const bool isThere = next_ + kWord <= words_.size();
@@ -192,52 +190,99 @@ inline void AnsReader::refill(uint32_t lanes) {
   }
 }
 
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+/// The words of a stream for vectors, which read some more than they take: behind the last there are zeros.
+class WordsAhead {
+ public:
+  WordsAhead(std::span<const std::byte> words, size_t next) : at_(words.data() + next), end_(words.data() + words.size()), left_(words.size()) {}
+
+  /// As many as there are lanes, and more behind them.
+  const std::byte* next() {
+    if (!isTail_ && static_cast<size_t>(end_ - at_) < kMost) startTail();
+    return at_;
+  }
+  void moveTo(const std::byte* at) {
+    at_ = at;
+    if (at_ <= end_) return;
+    ranOut_ = true;
+    at_ = end_;
+  }
+  bool ranOut() const { return ranOut_; }
+  /// Of the stream.
+  size_t place() const { return left_ - static_cast<size_t>(end_ - at_); }
+
+ private:
+  static constexpr size_t kMost = kAnsLanes * kWord;
+
+  void startTail() {
+    const auto size = static_cast<size_t>(end_ - at_);
+    std::copy(at_, end_, tail_.begin());
+    std::fill(tail_.begin() + static_cast<std::ptrdiff_t>(size), tail_.end(), std::byte{0});
+    at_ = tail_.data();
+    end_ = at_ + size;
+    isTail_ = true;
+  }
+
+  const std::byte* at_;
+  const std::byte* end_;
+  size_t left_;
+  std::array<std::byte, 2 * kMost + kAnsVectorLanes * kWord> tail_;
+  bool isTail_ = false, ranOut_ = false;
+};
+
+/// Makes numbers of a step's tokens.
+void takeRests(AnsStates& states, WordsAhead& words, uint32_t* numbers) {
+  alignas(64) uint32_t rests[kAnsLanes] = {};
+  for (const uint32_t shift : {0u, kAnsRestBits}) {
+    const std::byte* at = words.next();
+    states.forEach([&](uint32_t lane, AnsVector& own) { takeRestLanes(numbers + lane, shift, own, at, rests + lane); });
+    words.moveTo(at);
+  }
+  states.forEach([&](uint32_t lane, AnsVector&) { makeNumbers(numbers + lane, rests + lane); });
+}
+#endif
+
 template <class T>
 void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
   const uint32_t* const slots = model.slots.data();
-  T* const symbol = symbols.data();
-  const uint32_t steps = stepsOf(symbols.size());
-  for (uint32_t step = 0; step < steps; ++step) {
-    const uint32_t lanes = lanesOf(symbols.size(), step);
-    uint32_t* const states = states_.data();
-    T* const own = symbol + size_t{step} * kAnsLanes;
-    uint32_t any = 0;
+  size_t first = 0;
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
-    if (lanes == kAnsLanes && hasWordsForAll()) {
-      const std::byte* at = words_.data() + next_;
+  {
+    AnsStates states(states_);
+    WordsAhead words(words_, next_);
+    for (; first + kAnsLanes <= symbols.size(); first += kAnsLanes) {
+      T* const own = symbols.data() + first;
       bool hasRests = false;
-      forEachVector([&](uint32_t lane) { hasRests |= takeLanes(slots, states + lane, at, own + lane); });
-      next_ = static_cast<size_t>(at - words_.data());
+      const std::byte* at = words.next();
+      states.forEach([&](uint32_t lane, AnsVector& vector) { hasRests |= takeLanes(slots, vector, at, own + lane); });
+      words.moveTo(at);
       if constexpr (sizeof(T) > 1)
-        if (hasRests) takeRests(symbols.subspan(size_t{step} * kAnsLanes, lanes));
-      continue;
+        if (hasRests) warpscope::takeRests(states, words, own);
     }
+    isBad_ |= words.ranOut();
+    next_ = words.place();
+  }
 #endif
-    for (uint32_t lane = 0; lane < lanes; ++lane) {
-      const uint32_t state = states[lane], slot = slots[state & (kAnsScale - 1)];
+  for (; first < symbols.size(); first += kAnsLanes) {
+    const std::span<T> own = symbols.subspan(first, std::min<size_t>(kAnsLanes, symbols.size() - first));
+    uint32_t any = 0;
+    for (size_t lane = 0; lane < own.size(); ++lane) {
+      const uint32_t state = states_[lane], slot = slots[state & (kAnsScale - 1)];
       own[lane] = static_cast<T>(ansSymbolOf(slot));
       any |= own[lane];
-      states[lane] = ansTake(state, slot);
+      states_[lane] = ansTake(state, slot);
     }
-    refill(lanes);
+    refill(static_cast<uint32_t>(own.size()));
     if constexpr (sizeof(T) > 1)
-      if (any >= kDirectTokens) takeRests(symbols.subspan(size_t{step} * kAnsLanes, lanes));
+      if (any >= kDirectTokens) takeRests(own);
   }
 }
 
 /// Makes numbers of a step's tokens.
 void AnsReader::takeRests(std::span<uint32_t> numbers) {
   const auto lanes = static_cast<uint32_t>(numbers.size());
-  alignas(64) std::array<uint32_t, kAnsLanes> rests{};
-  const auto takePart = [&](uint32_t shift) {
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-    if (lanes == kAnsLanes && hasWordsForAll()) {
-      const std::byte* at = words_.data() + next_;
-      forEachVector([&](uint32_t lane) { takeRestLanes(numbers.data() + lane, shift, states_.data() + lane, at, rests.data() + lane); });
-      next_ = static_cast<size_t>(at - words_.data());
-      return;
-    }
-#endif
+  std::array<uint32_t, kAnsLanes> rests{};
+  for (const uint32_t shift : {0u, kAnsRestBits}) {
     for (uint32_t lane = 0; lane < lanes; ++lane) {
       const uint32_t bits = restBits(numbers[lane]), count = bits > shift ? firstRest(bits - shift) : 0;
       if (count == 0) continue;
@@ -245,12 +290,7 @@ void AnsReader::takeRests(std::span<uint32_t> numbers) {
       states_[lane] >>= count;
     }
     refill(lanes);
-  };
-  takePart(0);
-  takePart(kAnsRestBits);
-#ifdef WARPSCOPE_HAS_ANS_VECTORS
-  if (lanes == kAnsLanes) return forEachVector([&](uint32_t lane) { makeNumbers(numbers.data() + lane, rests.data() + lane); });
-#endif
+  }
   for (uint32_t lane = 0; lane < lanes; ++lane) numbers[lane] = valueOf(numbers[lane], rests[lane]);
 }
 

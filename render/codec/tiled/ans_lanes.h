@@ -16,14 +16,17 @@ namespace warpscope {
 
 inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
 
-/// tokenOf() of at most kAnsLanes numbers; many at once where these are all.
-void findTokens(const uint32_t* numbers, uint32_t lanes, uint32_t* tokens);
+/// tokenOf() of numbers.
+void findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens);
 
 /// A model as writers use it.
 struct AnsWriterModel {
   AnsModel model;
-  std::array<uint32_t, kAnsSymbols> shares{};  ///< start and, above 16 bits, frequency
-  std::array<uint32_t, kAnsSymbols> reciprocals{};
+  static constexpr uint32_t kNear = 32;
+
+  std::array<uint32_t, kAnsSymbols> multipliers{}, parts{};  ///< of each symbol's AnsWriterShare
+  uint8_t nearest = 0;  ///< the first of kNear symbols one after the other, 0 behind 255, that are the most frequent such ones
+  std::array<uint32_t, kNear> nearMultipliers{}, nearParts{};  ///< of these
 
   explicit AnsWriterModel(const AnsModel& theModel);
 };
@@ -34,18 +37,15 @@ class AnsWriter {
   void begin();
   /// Symbols of a model that has them.
   void putBytes(const AnsWriterModel& model, std::span<const uint8_t> symbols);
-  /// Numbers whose tokens (tokens.h) the model has.
-  void putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers);
+  /// Numbers, and their tokens, which the model has.
+  void putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers, std::span<const uint8_t> tokens);
   /// Appends the stream: nothing if no symbol took any bits.
   void finish(ByteVector& out) const;
 
  private:
   uint16_t* reserve(size_t words);
-  template <class T>
-  uint16_t* putStep(const AnsWriterModel& model, const T* symbols, uint32_t lanes, uint16_t* at);
-  uint16_t* putRests(const uint32_t* numbers, uint32_t lanes, uint32_t any, uint16_t* at);
 
-  std::array<uint32_t, kAnsLanes> states_{};
+  alignas(64) std::array<uint32_t, kAnsLanes> states_{};
   std::vector<uint16_t> words_;  // filled from its end
   size_t first_ = 0;             // of those that there are
 };
@@ -71,14 +71,12 @@ class AnsReader {
   bool isSound() const;
 
  private:
-  /// Whether each lane could take a word.
-  bool hasWordsForAll() const { return words_.size() - next_ >= kAnsLanes * sizeof(uint16_t); }
   void refill(uint32_t lanes);
   template <class T>
   void takeSymbols(const AnsReaderModel& model, std::span<T> symbols);
   void takeRests(std::span<uint32_t> numbers);
 
-  std::array<uint32_t, kAnsLanes> states_{};
+  alignas(64) std::array<uint32_t, kAnsLanes> states_{};
   std::span<const std::byte> words_;
   size_t next_ = 0;  // byte of words_
   bool hasStream_ = false, isBad_ = false;

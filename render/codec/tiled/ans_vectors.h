@@ -34,6 +34,13 @@ static_assert(kAnsLanes % kAnsVectorLanes == 0);
 using AnsVector [[gnu::vector_size(kAnsVectorLanes * sizeof(uint32_t))]] = uint32_t;
 using AnsCondition [[gnu::vector_size(kAnsVectorLanes * sizeof(int32_t))]] = int32_t;
 
+/// Which lanes to take.
+#if defined(__AVX512F__)
+using AnsChoice = __mmask16;
+#else
+using AnsChoice = AnsCondition;
+#endif
+
 inline AnsVector loadedLanes(const uint32_t* numbers) {
   AnsVector lanes;
   std::memcpy(&lanes, numbers, sizeof lanes);
@@ -49,13 +56,28 @@ inline AnsVector lanesOfRegister(const __m512i& lanes) { return reinterpret_cast
 inline AnsVector loadedLanes(const uint8_t* bytes) { return lanesOfRegister(_mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes)))); }
 inline void storeLanes(const AnsVector& lanes, uint8_t* bytes) { _mm_storeu_si128(reinterpret_cast<__m128i*>(bytes), _mm512_cvtepi32_epi8(registerOf(lanes))); }
 inline AnsVector gatheredLanes(const uint32_t* numbers, const AnsVector& places) { return lanesOfRegister(_mm512_i32gather_epi32(registerOf(places), numbers, 4)); }
-inline uint32_t bitsOfLanes(const AnsCondition& condition) { return _mm512_test_epi32_mask(reinterpret_cast<__m512i>(condition), reinterpret_cast<__m512i>(condition)); }
+/// Which lanes of the first are less than those of the second: a bit each.
+inline AnsChoice areLess(const AnsVector& a, const AnsVector& b) { return _mm512_cmplt_epu32_mask(registerOf(a), registerOf(b)); }
+inline uint32_t bitsOf(AnsChoice choice) { return choice; }
+inline AnsVector chosen(AnsChoice choice, const AnsVector& a, const AnsVector& b) { return lanesOfRegister(_mm512_mask_mov_epi32(registerOf(b), choice, registerOf(a))); }
 
 /// The upper halves of products.
 inline AnsVector upperProduct(const AnsVector& a, const AnsVector& b) {
   const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(registerOf(a), registerOf(b)), 32);
   const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(registerOf(a), 32), _mm512_srli_epi64(registerOf(b), 32));
   return lanesOfRegister(_mm512_mask_mov_epi32(even, 0xaaaa, odd));
+}
+
+static_assert(AnsWriterModel::kNear == 2 * kAnsVectorLanes);
+/// What numbers are at places, of whose bits the lowest count: faster than from memory.
+inline AnsVector nearLanes(const std::array<uint32_t, AnsWriterModel::kNear>& numbers, const AnsVector& places) {
+  return lanesOfRegister(_mm512_permutex2var_epi32(registerOf(loadedLanes(numbers.data())), registerOf(places), registerOf(loadedLanes(numbers.data() + kAnsVectorLanes))));
+}
+/// Whether the symbols of all lanes are among those from `first` on.
+inline bool areNear(const uint8_t* symbols, uint8_t first) {
+  static_assert(kAnsLanes == 32);
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(symbols)), places = _mm256_sub_epi8(all, _mm256_set1_epi8(static_cast<char>(first)));
+  return _mm256_testz_si256(places, _mm256_set1_epi8(static_cast<char>(~(AnsWriterModel::kNear - 1)))) != 0;
 }
 
 /// Puts the lower 16 bits of lanes whose bit is set in front of `at`. Returns where they begin.
@@ -83,7 +105,10 @@ inline void storeLanes(const AnsVector& lanes, uint8_t* bytes) {
 inline AnsVector gatheredLanes(const uint32_t* numbers, const AnsVector& places) {
   return lanesOfRegister(_mm256_i32gather_epi32(reinterpret_cast<const int*>(numbers), registerOf(places), 4));
 }
-inline uint32_t bitsOfLanes(const AnsCondition& condition) { return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(condition))); }
+/// Which lanes of the first are less than those of the second: all their bits or none.
+inline AnsChoice areLess(const AnsVector& a, const AnsVector& b) { return a < b; }
+inline uint32_t bitsOf(const AnsChoice& choice) { return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(choice))); }
+inline AnsVector chosen(const AnsChoice& choice, const AnsVector& a, const AnsVector& b) { return choice ? a : b; }
 
 /// The upper halves of products.
 inline AnsVector upperProduct(const AnsVector& a, const AnsVector& b) {
@@ -127,26 +152,19 @@ inline AnsVector wordsFor(uint32_t bits, const std::byte* at) {
 #endif
 
 /// States that have given what they have to, behind what others gave. Returns where words begin.
-inline uint16_t* giveWords(AnsVector& states, const AnsCondition& give, uint16_t* at) {
-  at = putWords(states, bitsOfLanes(give), at);
-  states = give ? states >> 16 : states;
+inline uint16_t* giveWords(AnsVector& states, const AnsChoice& give, uint16_t* at) {
+  at = putWords(states, bitsOf(give), at);
+  states = chosen(give, states >> 16, states);
   return at;
 }
 
-/// ansGives() and ansPut() of a symbol a lane. Returns where words begin.
-template <class T>
-inline uint16_t* putLanes(const AnsWriterModel& model, const T* symbols, uint32_t* states, uint16_t* at) {
-  const AnsVector symbol = loadedLanes(symbols), share = gatheredLanes(model.shares.data(), symbol), reciprocal = gatheredLanes(model.reciprocals.data(), symbol);
-  const AnsVector frequency = share >> 16, start = share & 0xffffu;
-  AnsVector state = loadedLanes(states);
-  at = giveWords(state, state >= frequency << (32 - kAnsBits), at);
-  AnsVector quotient = upperProduct(state, reciprocal), rest = state - quotient * frequency;
-  for (int correction = 0; correction < 2; ++correction) {
-    const AnsVector isLess = reinterpret_cast<AnsVector>(rest >= frequency);
-    quotient -= isLess;  // all bits: -1
-    rest -= frequency & isLess;
-  }
-  storeLanes((quotient << kAnsBits) + rest + start, states);
+/// AnsWriterShare::gives() and put() of a symbol a lane. Returns where words begin.
+inline uint16_t* putLanes(const AnsVector& multiplier, const AnsVector& parts, AnsVector& states, uint16_t* at) {
+  const AnsVector frequency = parts >> AnsWriterShare::kFrequencyAt & (2 * kAnsScale - 1);
+  at = giveWords(states, areLess((frequency << (32 - kAnsBits)) - 1u, states), at);
+  // A state that has given is less than 2^32 - 2^20: one more is still a word.
+  const AnsVector quotient = upperProduct(states + (parts >> AnsWriterShare::kAddsAt), multiplier) >> (parts >> AnsWriterShare::kShiftAt & 15u);
+  states += (parts & (kAnsScale - 1)) + quotient * (kAnsScale - frequency);
   return at;
 }
 
@@ -170,30 +188,29 @@ inline AnsVector restsAt(const AnsVector& rests, uint32_t shift) {
 }
 
 /// ansGivesForBits() and ansPutBits() of numbers' rests from bit `shift` on. Returns where words begin.
-inline uint16_t* putRestLanes(const uint32_t* numbers, uint32_t shift, uint32_t* states, uint16_t* at) {
+inline uint16_t* putRestLanes(const uint32_t* numbers, uint32_t shift, AnsVector& states, uint16_t* at) {
   const AnsVector number = loadedLanes(numbers), count = restsAt(restsOf(number), shift);
-  AnsVector state = loadedLanes(states);
-  at = giveWords(state, (state >> (31u - count) >> 1) != 0u, at);
-  storeLanes(state << count | (number >> shift & ((1u << count) - 1u)), states);
+  at = giveWords(states, areLess(AnsVector{}, states >> (31u - count) >> 1), at);
+  states = states << count | (number >> shift & ((1u << count) - 1u));
   return at;
 }
 
 /// States that took words where they want some. As many words are there as there are lanes.
 inline AnsVector refilled(const AnsVector& states, const std::byte*& at) {
-  const AnsCondition wants = states < kAnsLow;
-  const uint32_t bits = bitsOfLanes(wants);
+  const AnsChoice wants = areLess(states, AnsVector{} + kAnsLow);
+  const uint32_t bits = bitsOf(wants);
   const AnsVector filled = states << 16 | wordsFor(bits, at);
   at += sizeof(uint16_t) * static_cast<size_t>(std::popcount(bits));
-  return wants ? filled : states;
+  return chosen(wants, filled, states);
 }
 
 /// What slots say of a state a lane. As many words are there as there are lanes. Returns whether any symbol is none of kDirectTokens.
 template <class T>
-inline bool takeLanes(const uint32_t* slots, uint32_t* states, const std::byte*& at, T* symbols) {
-  const AnsVector state = loadedLanes(states), slot = gatheredLanes(slots, state & (kAnsScale - 1)), symbol = slot & 255u;
-  storeLanes(refilled((slot >> 8 & (kAnsScale - 1)) * (state >> kAnsBits) + (slot >> 20), at), states);
+inline bool takeLanes(const uint32_t* slots, AnsVector& states, const std::byte*& at, T* symbols) {
+  const AnsVector slot = gatheredLanes(slots, states & (kAnsScale - 1)), symbol = slot & 255u;
+  states = refilled((slot >> 8 & (kAnsScale - 1)) * (states >> kAnsBits) + (slot >> 20), at);
   storeLanes(symbol, symbols);
-  return bitsOfLanes(symbol >= kDirectTokens) != 0;
+  return bitsOf(areLess(AnsVector{} + (kDirectTokens - 1), symbol)) != 0;
 }
 
 /// restBits().
@@ -202,16 +219,67 @@ inline AnsVector restBitsOf(const AnsVector& tokens) {
   return within < kDirectTokens ? AnsVector{} : ((within - kDirectTokens) >> 1) + 3u;
 }
 /// Adds to `rests` what tokens want from bit `shift` on. As many words are there as there are lanes.
-inline void takeRestLanes(const uint32_t* tokens, uint32_t shift, uint32_t* states, const std::byte*& at, uint32_t* rests) {
-  const AnsVector count = restsAt(restBitsOf(loadedLanes(tokens)), shift), state = loadedLanes(states);
-  storeLanes(loadedLanes(rests) | (state & ((1u << count) - 1u)) << shift, rests);
-  storeLanes(refilled(state >> count, at), states);
+inline void takeRestLanes(const uint32_t* tokens, uint32_t shift, AnsVector& states, const std::byte*& at, uint32_t* rests) {
+  const AnsVector count = restsAt(restBitsOf(loadedLanes(tokens)), shift);
+  storeLanes(loadedLanes(rests) | (states & ((1u << count) - 1u)) << shift, rests);
+  states = refilled(states >> count, at);
 }
 /// valueOf(): tokens become the numbers.
 inline void makeNumbers(uint32_t* tokens, const uint32_t* rests) {
   const AnsVector token = loadedLanes(tokens);
   storeLanes(token < kDirectTokens ? token : (2u + (token & 1u)) << restBitsOf(token) | loadedLanes(rests), tokens);
 }
+
+/// All states of a stream, in registers for as long as this is there.
+class AnsStates {
+ public:
+  explicit AnsStates(std::array<uint32_t, kAnsLanes>& states) : states_(states) {
+    forEach([&](uint32_t lane, AnsVector& own) { own = loadedLanes(states_.data() + lane); });
+  }
+  AnsStates(const AnsStates&) = delete;
+  AnsStates& operator=(const AnsStates&) = delete;
+  ~AnsStates() {
+    forEach([&](uint32_t lane, AnsVector& own) { storeLanes(own, states_.data() + lane); });
+  }
+
+  /// What a writer does with a step (SingleStates in ans_lanes.cpp).
+  uint16_t* put(const AnsWriterModel& model, const uint8_t* symbols, uint16_t* at) {
+#if defined(__AVX512F__)
+    if (areNear(symbols, model.nearest)) {
+      forEachFromTheEnd([&](uint32_t lane, AnsVector& own) {
+        const AnsVector place = loadedLanes(symbols + lane) - uint32_t{model.nearest};  // its lowest bits count
+        at = putLanes(nearLanes(model.nearMultipliers, place), nearLanes(model.nearParts, place), own, at);
+      });
+      return at;
+    }
+#endif
+    forEachFromTheEnd([&](uint32_t lane, AnsVector& own) {
+      const AnsVector symbol = loadedLanes(symbols + lane);
+      at = putLanes(gatheredLanes(model.multipliers.data(), symbol), gatheredLanes(model.parts.data(), symbol), own, at);
+    });
+    return at;
+  }
+  uint16_t* putRests(const uint32_t* numbers, uint32_t shift, uint16_t* at) {
+    forEachFromTheEnd([&](uint32_t lane, AnsVector& own) { at = putRestLanes(numbers + lane, shift, own, at); });
+    return at;
+  }
+
+  /// f(number of a vector's first lane, its states).
+  template <class F>
+  void forEach(const F& f) {
+    for (uint32_t v = 0; v < kVectors; ++v) f(v * kAnsVectorLanes, vectors_[v]);
+  }
+  template <class F>
+  void forEachFromTheEnd(const F& f) {
+    for (uint32_t v = kVectors; v-- > 0;) f(v * kAnsVectorLanes, vectors_[v]);
+  }
+
+ private:
+  static constexpr uint32_t kVectors = kAnsLanes / kAnsVectorLanes;
+
+  std::array<uint32_t, kAnsLanes>& states_;
+  AnsVector vectors_[kVectors];
+};
 
 }  // namespace warpscope
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "render/codec/tiled/byte_block.h"
 #include "render/codec/tiled/covered_bits.h"
 
 namespace warpscope {
@@ -16,6 +17,9 @@ static_assert(kCodedTileWidth == 64, "a row's mask is a word");
 uint64_t lowBits(uint32_t count) { return count < 64 ? (uint64_t{1} << count) - 1 : ~uint64_t{0}; }
 
 uint64_t covered(const uint8_t* counts, uint32_t width) {
+#ifdef WARPSCOPE_HAS_BYTE_BLOCKS
+  if (width == ByteBlock::kSize) return ~ByteBlock(counts).equalTo(0);
+#endif
   uint64_t mask = 0;
   for (uint32_t x = 0; x < width; x += 8) mask |= uint64_t{coveredBits(counts + x, std::min(width - x, 8u))} << x;
   return mask;
@@ -87,11 +91,14 @@ bool TileLayer::goBehind() {
 
 void TileLayer::findRuns() {
   runs_.clear();
+  fullRows_.clear();
+  const uint64_t full = lowBits(tile_.width);
   for (uint32_t y = 0; y < tile_.height; ++y) {
     const uint64_t own = masks_[y], above = y > 0 ? masks_[y - 1] : 0;
     const uint64_t hasWest = own & own << 1;
     const uint64_t isAmidst = hasWest & above & above << 1, isAlone = hasWest & ~above & ~(above << 1);  // all three neighbours are there, or the western one alone
     uint32_t k = rowBegins_[y];
+    if (own == full && above == full && tile_.width % kRowsAtOnce == 0) addFullRow(k);
     for (uint64_t bits = own; bits != 0;) {
       const auto x = static_cast<uint32_t>(std::countr_zero(bits));
       NeighborRun run{k, 1, {k, k, k}};
@@ -109,6 +116,12 @@ void TileLayer::findRuns() {
       bits &= ~(lowBits(run.size) << x);
     }
   }
+}
+
+/// Whose first element is `k`, and whose runs are the next ones.
+void TileLayer::addFullRow(uint32_t k) {
+  if (fullRows_.empty() || fullRows_.back().rows.begin + fullRows_.back().rows.count * tile_.width != k) fullRows_.push_back({runs_.size(), {k, tile_.width, 0}});
+  ++fullRows_.back().rows.count;
 }
 
 /// Of a pixel that has one, or 0.

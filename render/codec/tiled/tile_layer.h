@@ -6,8 +6,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "render/codec/band_layout.h"
+#include "render/codec/neighbor_rows.h"
+#include "render/codec/neighbor_runs.h"
 #include "render/codec/tiled/tile_grid.h"
 #include "render/core/transfer_vector.h"
 
@@ -29,13 +31,33 @@ class TileLayer {
   std::span<const uint32_t> rows() const { return rows_; }
   /// Of all elements, one after the other.
   std::span<const NeighborRun> runs() const { return runs_; }
+  /// Of all elements, one after the other: runs(part of runs()) and, of rows that are covered all over below such rows, rows(NeighborRows).
+  template <class Runs, class Rows>
+  void forEachPart(const Runs& runs, const Rows& rows) const {
+    const std::span<const NeighborRun> all = runs_;
+    size_t done = 0;
+    for (const FullRows& full : fullRows_) {
+      const uint32_t count = full.rows.count / kRowsAtOnce * kRowsAtOnce;
+      if (count == 0) continue;
+      runs(all.subspan(done, full.firstRun - done));
+      rows(NeighborRows{full.rows.begin, full.rows.width, count});
+      done = full.firstRun + size_t{2} * count;  // the first of each row is a run of its own
+    }
+    runs(all.subspan(done));
+  }
   /// Which columns of a row of the tile have an element, the first in the lowest bit.
   uint64_t maskOf(uint32_t row) const { return masks_[row]; }
   /// Which elements of the layer in front the layer's are behind. Not of the front layer.
   std::span<const uint32_t> kept() const { return kept_; }
 
  private:
+  struct FullRows {
+    size_t firstRun;
+    NeighborRows rows;
+  };
+
   void findRuns();
+  void addFullRow(uint32_t k);
   uint32_t slotAt(uint32_t x, uint32_t y) const;
   Neighbors neighborsAt(uint32_t x, uint32_t y, uint32_t k) const;
   uint32_t slotAbove(uint32_t x, uint32_t y) const;
@@ -48,6 +70,19 @@ class TileLayer {
   std::array<uint64_t, kCodedTileHeight> masks_{};      // of each row
   std::array<uint32_t, kCodedTileHeight> rowBegins_{};  // of each row, its first element
   TransferVector<NeighborRun> runs_;
+  std::vector<FullRows> fullRows_;
 };
+
+/// How values are made in runs (neighbor_runs.h) and in rows (neighbor_rows.h).
+template <class InRuns, class InRows>
+struct TileMaking {
+  InRuns inRuns;
+  InRows inRows;
+};
+/// All values of a layer.
+template <class... Makings>
+void makeFromNeighbors(const TileLayer& layer, const Makings&... makings) {
+  layer.forEachPart([&](std::span<const NeighborRun> runs) { makeFromNeighbors(runs, makings.inRuns...); }, [&](const NeighborRows& rows) { makeRows(rows, makings.inRows...); });
+}
 
 }  // namespace warpscope

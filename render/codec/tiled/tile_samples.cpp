@@ -222,8 +222,11 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
     slots_[0] = 0;
     fine_[0] = 0;
     const uint32_t* const ofPlaces = planes_.number(planeOf(SampleNumbers::place)).data();
-    joinDifferences(differencesIn<SampleBytes>(planes_), size, slots_.data());
-    makeFromNeighbors(layer_.runs(), makingPlaces(paths_.fineScale(), [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_.data()), makingColors(slots_.data()));
+    differences_.resize(size);
+    joinDifferences(differencesIn<SampleBytes>(planes_), size, differences_.data());
+    const FineScale scale = paths_.fineScale();
+    makeFromNeighbors(layer_, TileMaking{makingPlaces(scale, [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_.data()), RowMaking(PlacesInRows{scale, ofPlaces, fine_.data(), places_.data()})},
+                      TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
     paths_.place(places_, codes_);
     {
       const uint32_t* const difference = planes_.number(planeOf(SampleNumbers::depth)).data();

@@ -20,28 +20,36 @@ uint64_t summedHashOf(std::span<const PackedSample> samples) {
   return summedHash(samples.size(), 0, [sample](size_t i) { return sample[i]; });
 }
 
+/// The first sample, of some in order, whose pixel is not in front of one.
+template <class At>
+At firstFrom(At begin, At end, uint32_t key) {
+  return std::partition_point(begin, end, [key](PackedSample sample) { return pixelKey(sample) < key; });
+}
+
 /// Finds the samples of each row of each tile.
 void cut(const SampleFrame& frame, const TileGrid& grid, TileRows& rows) {
   rows.begin(grid);
-  const auto begin = frame.samples.begin();
-  const auto most = static_cast<std::ptrdiff_t>(kCodedTileWidth * mostTiledLayers(frame));  // of a row of a tile
+  const auto begin = frame.samples.begin(), end = frame.samples.end();
+  const size_t mostLayers = mostTiledLayers(frame);
   parallelForRanges(grid.count() / std::max(grid.columns(), 1u), 1, [&](size_t from, size_t to) {
-    for (size_t tileRow = from; tileRow < to; ++tileRow)
+    for (size_t tileRow = from; tileRow < to; ++tileRow) {
+      auto at = firstFrom(begin, end, pixelKey(0, static_cast<uint32_t>(tileRow) * kCodedTileHeight));
       for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
         const auto row = static_cast<uint32_t>(tileRow) * kCodedTileHeight + y;
         if (row >= grid.height) break;
-        const auto firstAt = [&](auto after, auto end, uint32_t column) {
-          const uint32_t key = column < grid.width ? pixelKey(column, row) : pixelKey(0, row + 1);
-          return std::partition_point(after, end, [key](PackedSample sample) { return pixelKey(sample) < key; });
-        };
-        auto at = firstAt(begin, frame.samples.end(), 0);
         for (uint32_t column = 0; column < grid.columns(); ++column) {
+          const uint32_t x0 = column * kCodedTileWidth, width = std::min(kCodedTileWidth, grid.width - x0);
           RowPart& own = rows.of(tileRow * grid.columns() + column)[y];
           own.begin = static_cast<uint32_t>(at - begin);
-          at = firstAt(at, at + std::min(frame.samples.end() - at, most), (column + 1) * kCodedTileWidth);
+          const auto most = at + std::min<std::ptrdiff_t>(end - at, static_cast<std::ptrdiff_t>(width * mostLayers));
+          if (mostLayers == 1 && most - at == width && pixelKey(at[width - 1]) == pixelKey(x0 + width - 1, row))
+            at += width;  // one in each pixel
+          else if (at != end && pixelKey(*at) <= pixelKey(x0 + width - 1, row))
+            at = firstFrom(at, most, pixelKey(x0 + width - 1, row) + 1);
           own.end = static_cast<uint32_t>(at - begin);
         }
       }
+    }
   });
 }
 

@@ -3,9 +3,9 @@
 #include "render/codec/tiled/tiled_sheet.h"
 
 #include <algorithm>
-#include <cstring>
 #include <mutex>
 
+#include "render/codec/tiled/symbol_counts.h"
 #include "render/codec/tokens.h"
 #include "render/core/parallel.h"
 
@@ -13,73 +13,34 @@ namespace warpscope {
 namespace {
 
 using Counts = std::array<uint32_t, kAnsSymbols>;
-/// Symbols in turns: what comes next is mostly what came last, and need not wait until that has been counted.
-using CountsInTurns = std::array<Counts, 4>;
-
 bool hasStreams(const SheetTile& tile) {
   return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
 }
 
-void countBytes(std::span<const uint8_t> symbols, CountsInTurns& counts) {
-  constexpr size_t kAtOnce = sizeof(uint64_t);
-  uint32_t zeros = 0;  // by far the most, and often all of a plane
-  size_t i = 0;
-  for (; i + kAtOnce <= symbols.size(); i += kAtOnce) {
-    uint64_t word;
-    std::memcpy(&word, symbols.data() + i, sizeof word);
-    if (word == 0) {
-      zeros += kAtOnce;
-      continue;
-    }
-    for (size_t k = 0; k < kAtOnce; ++k) ++counts[k % counts.size()][word >> 8 * k & 255];
+/// Makes tokens of a tile's numbers, and counts them and the other symbols, model by model.
+void countSymbols(const SheetForm& form, SheetTile& tile, std::span<SymbolCounts> counts) {
+  if (!hasStreams(tile)) return;
+  for (uint32_t shape = 0; shape < form.shapes; ++shape) counts[shape].add(tile.shapes[shape]);
+  for (uint32_t l = 0; l < tile.layerCount; ++l) {
+    SheetLayer& layer = tile.layers[l];
+    layer.tokens.resize(layer.numbers.size());
+    findTokens(layer.numbers, layer.tokens);
+    SymbolCounts* own = counts.data() + form.shapes + size_t{l} * form.planes();
+    for (uint32_t plane = 0; plane < form.numbers; ++plane) own++->add(layer.token(plane));
+    for (uint32_t plane = 0; plane < form.bytes; ++plane) own++->add(layer.byte(plane));
   }
-  for (; i < symbols.size(); ++i) ++counts[0][symbols[i]];
-  counts[0][0] += zeros;
-}
-
-/// Their tokens.
-void countNumbers(std::span<const uint32_t> numbers, CountsInTurns& counts) {
-  uint32_t zeros = 0;  // as above
-  size_t i = 0;
-  for (; i + kAnsLanes <= numbers.size(); i += kAnsLanes) {
-    const uint32_t* own = numbers.data() + i;
-    uint32_t any = 0;
-    for (uint32_t k = 0; k < kAnsLanes; ++k) any |= own[k];
-    if (any == 0) {
-      zeros += kAnsLanes;
-      continue;
-    }
-    alignas(64) uint32_t tokens[kAnsLanes];
-    if (any >= kDirectTokens) {
-      findTokens(own, kAnsLanes, tokens);
-      own = tokens;
-    }
-    for (uint32_t k = 0; k < kAnsLanes; ++k) ++counts[k % counts.size()][own[k]];
-  }
-  for (; i < numbers.size(); ++i) ++counts[0][tokenOf(numbers[i])];
-  counts[0][0] += zeros;
 }
 
 /// Of all models in their order.
-std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTile> tiles, uint32_t layers) {
+std::vector<Counts> countSymbols(const SheetForm& form, std::span<SheetTile> tiles, uint32_t layers) {
   std::vector<Counts> all(form.shapes + size_t{layers} * form.planes());
   std::mutex mutex;
   constexpr size_t kFewTiles = 16;  // that are not worth counts of their own
   parallelForRanges(tiles.size(), kFewTiles, [&](size_t begin, size_t end) {
-    std::vector<CountsInTurns> own(all.size());
-    for (const SheetTile& tile : tiles.subspan(begin, end - begin)) {
-      if (!hasStreams(tile)) continue;
-      for (uint32_t shape = 0; shape < form.shapes; ++shape) countBytes(tile.shapes[shape], own[shape]);
-      CountsInTurns* counts = own.data() + form.shapes;
-      for (uint32_t layer = 0; layer < tile.layerCount; ++layer) {
-        for (uint32_t plane = 0; plane < form.numbers; ++plane) countNumbers(tile.layers[layer].number(plane), *counts++);
-        for (uint32_t plane = 0; plane < form.bytes; ++plane) countBytes(tile.layers[layer].byte(plane), *counts++);
-      }
-    }
+    std::vector<SymbolCounts> own(all.size());
+    for (SheetTile& tile : tiles.subspan(begin, end - begin)) countSymbols(form, tile, own);
     const std::scoped_lock lock(mutex);
-    for (size_t model = 0; model < all.size(); ++model)
-      for (const Counts& counts : own[model])
-        for (size_t s = 0; s < kAnsSymbols; ++s) all[model][s] += counts[s];
+    for (size_t model = 0; model < all.size(); ++model) own[model].addTo(all[model]);
   });
   return all;
 }
@@ -97,7 +58,7 @@ struct PackedTile {
         const SheetLayer& planes = tile.layers[layer];
         const AnsWriterModel* const own = models.data() + form.shapes + size_t{layer} * form.planes();
         for (uint32_t plane = form.bytes; plane-- > 0;) writer.putBytes(own[form.numbers + plane], planes.byte(plane));
-        for (uint32_t plane = form.numbers; plane-- > 0;) writer.putNumbers(own[plane], planes.number(plane));
+        for (uint32_t plane = form.numbers; plane-- > 0;) writer.putNumbers(own[plane], planes.number(plane), planes.token(plane));
       }
       if (layer == 0)
         for (uint32_t shape = form.shapes; shape-- > 0;) writer.putBytes(models[shape], tile.shapes[shape]);
@@ -118,7 +79,7 @@ uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t sh
   return 1 + (form.shapes + layers * form.planes()) * AnsModel::kMostBytes + grid.count() + streams * (sizeof(uint32_t) + kAnsStateBytes) + bits / 8 + 1;
 }
 
-void appendSheet(ByteVector& out, const SheetForm& form, std::span<const SheetTile> tiles) {
+void appendSheet(ByteVector& out, const SheetForm& form, std::span<SheetTile> tiles) {
   uint32_t layers = 0;
   for (const SheetTile& tile : tiles) layers = std::max(layers, tile.layerCount);
   std::vector<AnsModel> models;
