@@ -230,41 +230,57 @@ class WordsAhead {
   bool isTail_ = false, ranOut_ = false;
 };
 
-/// Makes numbers of a step's tokens.
-void takeRests(AnsStates& states, WordsAhead& words, uint32_t* numbers) {
-  alignas(64) uint32_t rests[kAnsLanes] = {};
-  for (const uint32_t shift : {0u, kAnsRestBits}) {
-    const std::byte* at = words.next();
-    states.forEach([&](uint32_t lane, AnsVector& own) { takeRestLanes(numbers + lane, shift, own, at, rests + lane); });
-    words.moveTo(at);
+/// A reader in registers, for as long as this is there.
+class AnsReader::InVectors {
+ public:
+  explicit InVectors(AnsReader& reader) : reader_(reader), states_(reader.states_), words_(reader.words_, reader.next_) {}
+  InVectors(const InVectors&) = delete;
+  InVectors& operator=(const InVectors&) = delete;
+  ~InVectors() {
+    reader_.isBad_ |= words_.ranOut();
+    reader_.next_ = words_.place();
   }
-  states.forEach([&](uint32_t lane, AnsVector&) { makeNumbers(numbers + lane, rests + lane); });
-}
+
+  /// Symbols of all lanes: bytes, or numbers, with what their tokens leave open.
+  template <class T>
+  void take(const uint32_t* slots, T* symbols) {
+    bool hasRests = false;
+    const std::byte* at = words_.next();
+    states_.forEach([&](uint32_t lane, AnsVector& own) { hasRests |= takeLanes(slots, own, at, symbols + lane); });
+    words_.moveTo(at);
+    if constexpr (sizeof(T) > 1)
+      if (hasRests) takeRests(symbols);
+  }
+
+ private:
+  void takeRests(uint32_t* numbers) {
+    alignas(64) uint32_t rests[kAnsLanes] = {};
+    for (const uint32_t shift : {0u, kAnsRestBits}) {
+      const std::byte* at = words_.next();
+      states_.forEach([&](uint32_t lane, AnsVector& own) { takeRestLanes(numbers + lane, shift, own, at, rests + lane); });
+      words_.moveTo(at);
+    }
+    states_.forEach([&](uint32_t lane, AnsVector&) { makeNumbers(numbers + lane, rests + lane); });
+  }
+
+  AnsReader& reader_;
+  AnsStates states_;
+  WordsAhead words_;
+};
 #endif
 
 template <class T>
 void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
   const uint32_t* const slots = model.slots.data();
-  size_t first = 0;
+  size_t done = 0;
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
   {
-    AnsStates states(states_);
-    WordsAhead words(words_, next_);
-    for (; first + kAnsLanes <= symbols.size(); first += kAnsLanes) {
-      T* const own = symbols.data() + first;
-      bool hasRests = false;
-      const std::byte* at = words.next();
-      states.forEach([&](uint32_t lane, AnsVector& vector) { hasRests |= takeLanes(slots, vector, at, own + lane); });
-      words.moveTo(at);
-      if constexpr (sizeof(T) > 1)
-        if (hasRests) warpscope::takeRests(states, words, own);
-    }
-    isBad_ |= words.ranOut();
-    next_ = words.place();
+    InVectors vectors(*this);
+    for (; done + kAnsLanes <= symbols.size(); done += kAnsLanes) vectors.take(slots, symbols.data() + done);
   }
 #endif
-  for (; first < symbols.size(); first += kAnsLanes) {
-    const std::span<T> own = symbols.subspan(first, std::min<size_t>(kAnsLanes, symbols.size() - first));
+  for (; done < symbols.size(); done += kAnsLanes) {
+    const std::span<T> own = symbols.subspan(done, std::min<size_t>(kAnsLanes, symbols.size() - done));
     uint32_t any = 0;
     for (size_t lane = 0; lane < own.size(); ++lane) {
       const uint32_t state = states_[lane], slot = slots[state & (kAnsScale - 1)];
@@ -276,6 +292,23 @@ void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
     if constexpr (sizeof(T) > 1)
       if (any >= kDirectTokens) takeRests(own);
   }
+}
+
+/// What both have, as far as that is worth it. Returns how many of each.
+template <class T>
+size_t AnsReader::takeSymbols([[maybe_unused]] const AnsReaderModel& model, [[maybe_unused]] AnsReader& first, [[maybe_unused]] std::span<T> symbols,
+                              [[maybe_unused]] AnsReader& second, [[maybe_unused]] std::span<T> secondSymbols) {
+  size_t done = 0;
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+  if (model.slots.empty() || !first.hasStream_ || !second.hasStream_) return done;
+  const uint32_t* const slots = model.slots.data();
+  InVectors vectors(first), secondVectors(second);
+  for (const size_t both = std::min(symbols.size(), secondSymbols.size()); done + kAnsLanes <= both; done += kAnsLanes) {
+    vectors.take(slots, symbols.data() + done);
+    secondVectors.take(slots, secondSymbols.data() + done);
+  }
+#endif
+  return done;
 }
 
 /// Makes numbers of a step's tokens.
@@ -320,6 +353,18 @@ void AnsReader::takeNumbers(const AnsReaderModel& model, std::span<uint32_t> num
     for (size_t begin = 0; begin < numbers.size(); begin += kAnsLanes) takeRests(numbers.subspan(begin, std::min<size_t>(kAnsLanes, numbers.size() - begin)));
   else
     std::ranges::fill(numbers, 0u);
+}
+
+void AnsReader::takeBytes(const AnsReaderModel& model, AnsReader& first, std::span<uint8_t> symbols, AnsReader& second, std::span<uint8_t> secondSymbols) {
+  const size_t done = takeSymbols(model, first, symbols, second, secondSymbols);
+  first.takeBytes(model, symbols.subspan(done));
+  second.takeBytes(model, secondSymbols.subspan(done));
+}
+
+void AnsReader::takeNumbers(const AnsReaderModel& model, AnsReader& first, std::span<uint32_t> numbers, AnsReader& second, std::span<uint32_t> secondNumbers) {
+  const size_t done = takeSymbols(model, first, numbers, second, secondNumbers);
+  first.takeNumbers(model, numbers.subspan(done));
+  second.takeNumbers(model, secondNumbers.subspan(done));
 }
 
 bool AnsReader::isSound() const {

@@ -67,13 +67,20 @@ class AnsReader {
 
   void takeBytes(const AnsReaderModel& model, std::span<uint8_t> symbols);
   void takeNumbers(const AnsReaderModel& model, std::span<uint32_t> numbers);
+  /// The same of two streams, whose states do not wait for each other: faster than one after the other.
+  static void takeBytes(const AnsReaderModel& model, AnsReader& first, std::span<uint8_t> symbols, AnsReader& second, std::span<uint8_t> secondSymbols);
+  static void takeNumbers(const AnsReaderModel& model, AnsReader& first, std::span<uint32_t> numbers, AnsReader& second, std::span<uint32_t> secondNumbers);
   /// After the last plane: whether the stream was one of just these symbols.
   bool isSound() const;
 
  private:
+  class InVectors;
+
   void refill(uint32_t lanes);
   template <class T>
   void takeSymbols(const AnsReaderModel& model, std::span<T> symbols);
+  template <class T>
+  static size_t takeSymbols(const AnsReaderModel& model, AnsReader& first, std::span<T> symbols, AnsReader& second, std::span<T> secondSymbols);
   void takeRests(std::span<uint32_t> numbers);
 
   alignas(64) std::array<uint32_t, kAnsLanes> states_{};

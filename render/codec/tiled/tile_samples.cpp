@@ -10,11 +10,18 @@
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tiled/sheet_colors.h"
 #include "render/codec/tokens.h"
+#include "render/core/placed_hash.h"
 
 namespace warpscope {
 namespace {
 
 size_t planeOf(SampleNumbers plane) { return static_cast<size_t>(plane); }
+
+uint64_t placedHashes(const PackedSample* samples, size_t count, size_t first) {
+  uint64_t sum = 0;
+  for (size_t i = 0; i < count; ++i) sum += placedHash(samples[i], first + i);
+  return sum;
+}
 
 /// Each row changed by the row above.
 void putMask(const TileLayer& front, const TileRect& rect, TransferVector<uint8_t>& changes) {
@@ -115,7 +122,7 @@ void TileSamples::countSamples(const SampleFrame& frame, const TileRect& rect, s
   }
 }
 
-void TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
+uint64_t TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
   const bool hasLayers = !frame.layers().empty();
   const std::span<const RowPart> ownRows = rows.first(rect.height);
   countSamples(frame, rect, ownRows, hasLayers);
@@ -125,7 +132,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
   putMask(layer_, rect, tile.shapes[0]);
   if (layer_.size() == 0) {
     tile.shapes[1].clear();
-    return;
+    return 0;
   }
   if (hasLayers) {
     tile.shapes[1].resize(layer_.size());
@@ -138,6 +145,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
   }
   paths_.aim(frame, placement, layer_.columns(), layer_.rows());
   const RadiusPrediction radius(frame);
+  uint64_t hash = 0;
   for (uint32_t l = 0;; ++l) {
     const size_t size = layer_.size();
     samples_.resize(size);
@@ -149,6 +157,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
     forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
       std::copy_n(frame.samples.data() + at, count, samples_.data() + k);
       std::copy_n(frame.colors.data() + at, count, slots_.data() + 1 + k);
+      hash += placedHashes(samples_.data() + k, count, at);
     });
     paths_.locate(samples_, places_);
     paths_.place(places_, codes_);
@@ -163,7 +172,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
     }
     putRadii(radius, layer_.runs(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
     putColors(slots_, layer_.runs(), size, differences_, differencesIn<SampleBytes>(planes));
-    if (!layer_.goBehind()) return;
+    if (!layer_.goBehind()) return hash;
     goBehind();
   }
 }
@@ -171,6 +180,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
 bool TileSamples::takeShapes(const SheetReader& reader, uint32_t tile, const TileRect& rect, bool hasLayers, uint32_t most, AnsReader& stream, std::span<uint8_t> counts) {
   const uint32_t streams = reader.streams(tile);
   if (streams == 0) {
+    stream = AnsReader();
     std::ranges::fill(counts, uint8_t{0});
     return true;
   }
@@ -198,10 +208,10 @@ bool TileSamples::takeShapes(const SheetReader& reader, uint32_t tile, const Til
   return deepest == streams && deepest <= reader.layers();
 }
 
-bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows,
-                         Placement placement, AnsReader& stream, SampleFrame& frame, std::span<uint8_t> layers) {
+std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows,
+                         Placement placement, size_t front, SampleFrame& frame, std::span<uint8_t> layers) {
   const uint32_t streams = reader.streams(tile);
-  if (streams == 0) return true;
+  if (streams == 0) return 0;
   layer_.begin(rect, counts);
   const bool hasLayers = !layers.empty();
   const std::span<const RowPart> ownRows = rows.first(rect.height);
@@ -209,11 +219,14 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
   if (hasLayers) findFirsts(counts, rect, rows, at_);
   paths_.aim(frame, placement, layer_.columns(), layer_.rows());
   const RadiusPrediction radius(frame);
+  uint64_t hash = 0;
   for (uint32_t l = 0; l < streams; ++l) {
     const size_t size = layer_.size();
-    AnsReader behind;
-    if (l > 0) behind = reader.stream(tile, l);
-    if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
+    SheetLayer& planes = l == 0 ? fronts_[front] : behind_;
+    if (l > 0) {
+      AnsReader stream = reader.stream(tile, l);
+      if (!reader.takeLayer(stream, l, size, planes)) return std::nullopt;
+    }
     places_.resize(size);
     codes_.resize(size);
     slots_.resize(size + 1);
@@ -221,15 +234,15 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
     samples_.resize(size);
     slots_[0] = 0;
     fine_[0] = 0;
-    const uint32_t* const ofPlaces = planes_.number(planeOf(SampleNumbers::place)).data();
+    const uint32_t* const ofPlaces = planes.number(planeOf(SampleNumbers::place)).data();
     differences_.resize(size);
-    joinDifferences(differencesIn<SampleBytes>(planes_), size, differences_.data());
+    joinDifferences(differencesIn<SampleBytes>(planes), size, differences_.data());
     const FineScale scale = paths_.fineScale();
     makeFromNeighbors(layer_, TileMaking{makingPlaces(scale, [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_.data()), RowMaking(PlacesInRows{scale, ofPlaces, fine_.data(), places_.data()})},
                       TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
     paths_.place(places_, codes_);
     {
-      const uint32_t* const difference = planes_.number(planeOf(SampleNumbers::depth)).data();
+      const uint32_t* const difference = planes.number(planeOf(SampleNumbers::depth)).data();
       const uint32_t *const likely = codes_.data(), *const column = layer_.columns().data(), *const row = layer_.rows().data();
       PackedSample* const sample = samples_.data();
       for (size_t k = 0; k < size; ++k) {
@@ -237,17 +250,18 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
         sample[k] = packCodes(column[k], row[k], code, 0);
       }
     }
-    takeRadii(radius, layer_.runs(), planes_.number(planeOf(SampleNumbers::radius)).data(), slots_.data() + 1, fine_.data(), samples_);
+    takeRadii(radius, layer_.runs(), planes.number(planeOf(SampleNumbers::radius)).data(), slots_.data() + 1, fine_.data(), samples_);
     forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
       std::copy_n(samples_.data() + k, count, frame.samples.data() + at);
       std::copy_n(slots_.data() + 1 + k, count, frame.colors.data() + at);
+      hash += placedHashes(samples_.data() + k, count, at);
       if (hasLayers) std::fill_n(layers.data() + at, count, static_cast<uint8_t>(l));
     });
     if (l + 1 == streams) break;
     layer_.goBehind();
     goBehind();
   }
-  return true;
+  return hash;
 }
 
 }  // namespace warpscope

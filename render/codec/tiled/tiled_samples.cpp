@@ -3,22 +3,18 @@
 #include "render/codec/tiled/tiled_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <numeric>
+#include <optional>
 
 #include "render/base/shared_pool.h"
 #include "render/codec/plane_coding.h"
-#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tile_samples.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
-
-uint64_t summedHashOf(std::span<const PackedSample> samples) {
-  const PackedSample* const sample = samples.data();
-  return summedHash(samples.size(), 0, [sample](size_t i) { return sample[i]; });
-}
 
 /// The first sample, of some in order, whose pixel is not in front of one.
 template <class At>
@@ -88,12 +84,15 @@ void TiledSamples::append(ByteVector& out, const SampleFrame& frame, Placement p
   const TileGrid grid = tiledGridOf(frame, frame.size());
   cut(frame, grid, b.rows);
   b.tiles.resize(grid.count());
+  std::atomic<uint64_t> hash = 0;
   parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
     const auto work = b.pool->take();
+    uint64_t own = 0;
     for (size_t tile = begin; tile < end; ++tile)
-      work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
+      own += work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
+    hash += own;
   });
-  appendLittle(out, summedHashOf(frame.samples));
+  appendLittle(out, hash.load());
   appendSheet(out, sampleForm(std::ranges::any_of(frame.planes, isImplied)), b.tiles);
 }
 
@@ -138,15 +137,35 @@ DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t c
     plane->values.resize(count);
     layers = {reinterpret_cast<uint8_t*>(plane->values.data()), count};
   }
-  parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
+  std::atomic<uint64_t> found = 0;
+  parallelForRanges((grid.count() + 1) / 2, 1, [&](size_t begin, size_t end) {
     const auto work = b.pool->take();
-    for (size_t tile = begin; tile < end; ++tile) {
-      const TileRect rect = grid.at(static_cast<uint32_t>(tile));
-      if (!work->unpack(b.sheet, static_cast<uint32_t>(tile), rect, b.countsOf(tile, rect), b.rows.of(tile), placement, b.streams[tile], frame, layers)) isDamaged = true;
+    uint64_t own = 0;
+    for (size_t pair = begin; pair < end; ++pair) {
+      const std::array<uint32_t, 2> tiles{static_cast<uint32_t>(2 * pair), static_cast<uint32_t>(2 * pair + 1)};
+      AnsReader none;
+      std::array<AnsReader*, 2> streams{&none, &none};
+      std::array<size_t, 2> sizes{};
+      for (size_t i = 0; i < 2 && tiles[i] < grid.count(); ++i) {
+        streams[i] = &b.streams[tiles[i]];
+        const std::span<const uint8_t> counts = b.countsOf(tiles[i], grid.at(tiles[i]));
+        sizes[i] = counts.size() - static_cast<size_t>(std::ranges::count(counts, uint8_t{0}));
+      }
+      if (!work->takeFronts(b.sheet, streams, sizes)) {
+        isDamaged = true;
+        continue;
+      }
+      for (size_t i = 0; i < 2 && tiles[i] < grid.count(); ++i) {
+        const TileRect rect = grid.at(tiles[i]);
+        const std::optional<uint64_t> ofTile = work->unpack(b.sheet, tiles[i], rect, b.countsOf(tiles[i], rect), b.rows.of(tiles[i]), placement, i, frame, layers);
+        if (!ofTile) isDamaged = true;
+        own += ofTile.value_or(0);
+      }
     }
+    found += own;
   });
   if (isDamaged) return "a tile of the payload is damaged";
-  if (summedHashOf(frame.samples) != hash) return kOtherSamples;
+  if (found != hash) return kOtherSamples;
   return std::nullopt;
 }
 

@@ -152,4 +152,16 @@ bool SheetReader::takeLayer(AnsReader& stream, uint32_t layer, size_t size, Shee
   return stream.isSound();
 }
 
+bool SheetReader::takeFronts(const std::array<AnsReader*, 2>& streams, const std::array<size_t, 2>& sizes, std::array<SheetLayer, 2>& planes) const {
+  for (size_t i = 0; i < 2; ++i) {
+    if (sizes[i] > 0 && head_.layers == 0) return false;
+    planes[i].resize(head_.form, sizes[i]);
+  }
+  for (uint32_t plane = 0; plane < head_.form.numbers; ++plane)
+    if (sizes[0] + sizes[1] > 0) AnsReader::takeNumbers(number(0, plane), *streams[0], planes[0].number(plane), *streams[1], planes[1].number(plane));
+  for (uint32_t plane = 0; plane < head_.form.bytes; ++plane)
+    if (sizes[0] + sizes[1] > 0) AnsReader::takeBytes(byte(0, plane), *streams[0], planes[0].byte(plane), *streams[1], planes[1].byte(plane));
+  return streams[0]->isSound() && streams[1]->isSound();
+}
+
 }  // namespace warpscope

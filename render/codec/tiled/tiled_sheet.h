@@ -96,6 +96,8 @@ class SheetReader {
   /// Reads the planes of a layer that has `size` values; the stream is where they begin. False if the stream does not end behind them, or is damaged, or
   /// the sheet has no such layer.
   bool takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const;
+  /// The same of the front layers of two tiles at once; false if either is.
+  bool takeFronts(const std::array<AnsReader*, 2>& streams, const std::array<size_t, 2>& sizes, std::array<SheetLayer, 2>& planes) const;
 
  private:
   SheetHead head_;
