@@ -82,17 +82,24 @@ void forEachStepFromTheEnd(std::array<uint32_t, kAnsLanes>& states, size_t size,
 
 }  // namespace
 
-void findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens) {
+bool findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens) {
   const uint32_t* const number = numbers.data();
   uint8_t* const token = tokens.data();
   size_t i = 0;
+  bool isOpen = false;
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
   for (; i + kAnsVectorLanes <= numbers.size(); i += kAnsVectorLanes) {
     const AnsVector own = loadedLanes(number + i);
-    storeLanes(bitsOf(areLess(AnsVector{} + (kDirectTokens - 1), own)) == 0 ? own : tokensOf(own, restsOf(own)), token + i);
+    const bool isOwnOpen = bitsOf(areLess(AnsVector{} + (kDirectTokens - 1), own)) != 0;
+    storeLanes(isOwnOpen ? tokensOf(own, restsOf(own)) : own, token + i);
+    isOpen |= isOwnOpen;
   }
 #endif
-  for (; i < numbers.size(); ++i) token[i] = static_cast<uint8_t>(tokenOf(number[i]));
+  for (; i < numbers.size(); ++i) {
+    token[i] = static_cast<uint8_t>(tokenOf(number[i]));
+    isOpen |= number[i] >= kDirectTokens;
+  }
+  return isOpen;
 }
 
 AnsWriterModel::AnsWriterModel(const AnsModel& theModel) : model(theModel) {

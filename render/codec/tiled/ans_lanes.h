@@ -16,8 +16,8 @@ namespace warpscope {
 
 inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
 
-/// tokenOf() of numbers.
-void findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens);
+/// tokenOf() of numbers. Returns whether any leaves something open.
+bool findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens);
 
 /// A model as writers use it.
 struct AnsWriterModel {
@@ -37,7 +37,7 @@ class AnsWriter {
   void begin();
   /// Symbols of a model that has them.
   void putBytes(const AnsWriterModel& model, std::span<const uint8_t> symbols);
-  /// Numbers, and their tokens, which the model has.
+  /// Numbers, which are looked at where their tokens leave something open; the model has the tokens.
   void putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers, std::span<const uint8_t> tokens);
   /// Appends the stream: nothing if no symbol took any bits.
   void finish(ByteVector& out) const;

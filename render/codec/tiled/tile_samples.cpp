@@ -161,7 +161,7 @@ uint64_t TileSamples::pack(const SampleFrame& frame, Placement placement, const 
     });
     paths_.locate(samples_, places_);
     paths_.place(places_, codes_);
-    SheetLayer& planes = tile.addLayer();
+    SheetLayer& planes = planes_;
     planes.resize(form, size);
     putPlaces(paths_.fineScale(), layer_.runs(), places_, fine_.data(), planes.number(planeOf(SampleNumbers::place)).data());
     {
@@ -172,6 +172,7 @@ uint64_t TileSamples::pack(const SampleFrame& frame, Placement placement, const 
     }
     putRadii(radius, layer_.runs(), samples_, slots_.data() + 1, fine_.data(), planes.number(planeOf(SampleNumbers::radius)).data());
     putColors(slots_, layer_.runs(), size, differences_, differencesIn<SampleBytes>(planes));
+    tile.addLayer(planes);
     if (!layer_.goBehind()) return hash;
     goBehind();
   }
@@ -222,7 +223,7 @@ std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t 
   uint64_t hash = 0;
   for (uint32_t l = 0; l < streams; ++l) {
     const size_t size = layer_.size();
-    SheetLayer& planes = l == 0 ? fronts_[front] : behind_;
+    SheetLayer& planes = l == 0 ? fronts_[front] : planes_;
     if (l > 0) {
       AnsReader stream = reader.stream(tile, l);
       if (!reader.takeLayer(stream, l, size, planes)) return std::nullopt;

@@ -44,7 +44,7 @@ class TileSamples {
   TileLayer layer_;
   PixelPaths paths_;
   std::array<SheetLayer, 2> fronts_;
-  SheetLayer behind_;
+  SheetLayer planes_;
   TransferVector<uint8_t> counts_, symbols_;
   TransferVector<uint32_t> at_;  // of each element of the layer, its ray's first sample among the frame's; none where rays have one each
   TransferVector<PackedSample> samples_;

@@ -121,7 +121,7 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
       endCodes_[k] = segments.depths[at_[k] + l].end;
       slots_[k + 1] = segments.colors[at_[k] + l];
     }
-    SheetLayer& planes = tile.addLayer();
+    SheetLayer& planes = planes_;
     planes.resize(form, size);
     putBorders(planes, l == 0);
     putColors(slots_, layer_.runs(), size, differences_, differencesIn<SegmentBytes>(planes));
@@ -134,6 +134,7 @@ void TileSegments::pack(const SampleFrame& frame, Placement placement, const Til
         });
       }
     }
+    tile.addLayer(planes);
     if (!goBehind()) return;
   }
 }

@@ -17,14 +17,12 @@ bool hasStreams(const SheetTile& tile) {
   return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
 }
 
-/// Makes tokens of a tile's numbers, and counts them and the other symbols, model by model.
-void countSymbols(const SheetForm& form, SheetTile& tile, std::span<SymbolCounts> counts) {
+/// Of a tile, model by model.
+void countSymbols(const SheetForm& form, const SheetTile& tile, std::span<SymbolCounts> counts) {
   if (!hasStreams(tile)) return;
   for (uint32_t shape = 0; shape < form.shapes; ++shape) counts[shape].add(tile.shapes[shape]);
   for (uint32_t l = 0; l < tile.layerCount; ++l) {
-    SheetLayer& layer = tile.layers[l];
-    layer.tokens.resize(layer.numbers.size());
-    findTokens(layer.numbers, layer.tokens);
+    const WrittenLayer& layer = tile.layers[l];
     SymbolCounts* own = counts.data() + form.shapes + size_t{l} * form.planes();
     for (uint32_t plane = 0; plane < form.numbers; ++plane) own++->add(layer.token(plane));
     for (uint32_t plane = 0; plane < form.bytes; ++plane) own++->add(layer.byte(plane));
@@ -32,13 +30,13 @@ void countSymbols(const SheetForm& form, SheetTile& tile, std::span<SymbolCounts
 }
 
 /// Of all models in their order.
-std::vector<Counts> countSymbols(const SheetForm& form, std::span<SheetTile> tiles, uint32_t layers) {
+std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTile> tiles, uint32_t layers) {
   std::vector<Counts> all(form.shapes + size_t{layers} * form.planes());
   std::mutex mutex;
   constexpr size_t kFewTiles = 16;  // that are not worth counts of their own
   parallelForRanges(tiles.size(), kFewTiles, [&](size_t begin, size_t end) {
     std::vector<SymbolCounts> own(all.size());
-    for (SheetTile& tile : tiles.subspan(begin, end - begin)) countSymbols(form, tile, own);
+    for (const SheetTile& tile : tiles.subspan(begin, end - begin)) countSymbols(form, tile, own);
     const std::scoped_lock lock(mutex);
     for (size_t model = 0; model < all.size(); ++model) own[model].addTo(all[model]);
   });
@@ -55,7 +53,7 @@ struct PackedTile {
     for (uint32_t layer = 0; layer < std::max(tile.layerCount, 1u); ++layer) {
       writer.begin();
       if (layer < tile.layerCount) {
-        const SheetLayer& planes = tile.layers[layer];
+        const WrittenLayer& planes = tile.layers[layer];
         const AnsWriterModel* const own = models.data() + form.shapes + size_t{layer} * form.planes();
         for (uint32_t plane = form.bytes; plane-- > 0;) writer.putBytes(own[form.numbers + plane], planes.byte(plane));
         for (uint32_t plane = form.numbers; plane-- > 0;) writer.putNumbers(own[plane], planes.number(plane), planes.token(plane));
@@ -71,6 +69,17 @@ struct PackedTile {
 
 }  // namespace
 
+void WrittenLayer::take(SheetLayer& layer) {
+  size = layer.size;
+  tokens.resize(layer.numbers.size());
+  numbers.resize(layer.numbers.size());
+  for (size_t begin = 0; begin < tokens.size(); begin += size) {
+    const auto own = std::span<const uint32_t>(layer.numbers).subspan(begin, size);
+    if (findTokens(own, std::span(tokens).subspan(begin, size))) std::ranges::copy(own, numbers.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+  bytes.swap(layer.bytes);
+}
+
 uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t shapeSymbols, uint64_t values, uint64_t layers) {
   // A state grows by at most the scale for each symbol, and a sixteenth of that: it is at least 16 times the frequency.
   constexpr uint64_t kSymbolBits = kAnsBits + 1;
@@ -79,7 +88,7 @@ uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t sh
   return 1 + (form.shapes + layers * form.planes()) * AnsModel::kMostBytes + grid.count() + streams * (sizeof(uint32_t) + kAnsStateBytes) + bits / 8 + 1;
 }
 
-void appendSheet(ByteVector& out, const SheetForm& form, std::span<SheetTile> tiles) {
+void appendSheet(ByteVector& out, const SheetForm& form, std::span<const SheetTile> tiles) {
   uint32_t layers = 0;
   for (const SheetTile& tile : tiles) layers = std::max(layers, tile.layerCount);
   std::vector<AnsModel> models;

@@ -31,37 +31,47 @@ struct SheetLayer {
   size_t size = 0;  ///< values of each plane
   TransferVector<uint32_t> numbers;
   TransferVector<uint8_t> bytes;
-  TransferVector<uint8_t> tokens;  ///< of numbers: appendSheet() makes them
 
   void resize(const SheetForm& form, size_t count) {
     size = count;
     numbers.resize(count * form.numbers);
     bytes.resize(count * form.bytes);
   }
-  std::span<const uint8_t> token(size_t plane) const { return {tokens.data() + plane * size, size}; }
   std::span<uint32_t> number(size_t plane) { return {numbers.data() + plane * size, size}; }
   std::span<const uint32_t> number(size_t plane) const { return {numbers.data() + plane * size, size}; }
   std::span<uint8_t> byte(size_t plane) { return {bytes.data() + plane * size, size}; }
   std::span<const uint8_t> byte(size_t plane) const { return {bytes.data() + plane * size, size}; }
 };
 
+/// The same as it is written: tokens of numbers, and of planes whose tokens leave something open the numbers.
+struct WrittenLayer {
+  size_t size = 0;
+  TransferVector<uint8_t> tokens, bytes;
+  TransferVector<uint32_t> numbers;
+
+  /// Takes the bytes away.
+  void take(SheetLayer& layer);
+  std::span<const uint8_t> token(size_t plane) const { return {tokens.data() + plane * size, size}; }
+  std::span<const uint8_t> byte(size_t plane) const { return {bytes.data() + plane * size, size}; }
+  std::span<const uint32_t> number(size_t plane) const { return {numbers.data() + plane * size, size}; }
+};
+
 struct SheetTile {
   std::array<TransferVector<uint8_t>, 2> shapes;
   uint32_t layerCount = 0;
-  std::vector<SheetLayer> layers;  ///< at least layerCount: those behind are kept for the next picture
+  std::vector<WrittenLayer> layers;  ///< at least layerCount: those behind are kept for the next picture
 
-  /// The next one, without values.
-  SheetLayer& addLayer() {
+  void addLayer(SheetLayer& layer) {
     if (layerCount == layers.size()) layers.emplace_back();
-    return layers[layerCount++];
+    layers[layerCount++].take(layer);
   }
 };
 
 /// The most bytes of such a picture with so many values a plane in all, of at most `layers` layers.
 uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t shapeSymbols, uint64_t values, uint64_t layers);
 
-/// Appends the tiles of a grid, of at most 255 layers; makes their tokens.
-void appendSheet(ByteVector& out, const SheetForm& form, std::span<SheetTile> tiles);
+/// Appends the tiles of a grid, of at most 255 layers.
+void appendSheet(ByteVector& out, const SheetForm& form, std::span<const SheetTile> tiles);
 
 /// What bytes say before their streams are read.
 struct SheetHead {
