@@ -62,16 +62,23 @@ class RowMaking {
   void goOn(size_t at) { store<false>(at); }
   /// The values that are left.
   void end() {
-    Block inputs[Formula::kInputs];
-    for (size_t i = 0; i < Formula::kInputs; ++i)
-      for (size_t row = 1; row < kRowsAtOnce; ++row) std::memcpy(&inputs[i][row], formula_.input(i) + placeOf(row, width_), row * sizeof(uint32_t));
+    Block inputs[Formula::kInputs]{};
+    for (size_t i = 0; i < Formula::kInputs; ++i) forEachEnd([&]<size_t row>() { std::memcpy(&inputs[i][row], formula_.input(i) + placeOf(row, width_), row * sizeof(uint32_t)); });
     const Block made = make<false>(inputs, width_);
-    for (size_t row = 1; row < kRowsAtOnce; ++row) std::memcpy(formula_.out() + placeOf(row, width_), &made[row], row * sizeof(uint32_t));
+    forEachEnd([&]<size_t row>() { std::memcpy(formula_.out() + placeOf(row, width_), &made[row], row * sizeof(uint32_t)); });
     formula_.finish(begin_, kRowsAtOnce * width_);
   }
 
  private:
   using Block = std::array<RowLanes, kRowsAtOnce>;
+
+  /// f<row>() of the rows that end behind the first: as many values as that are left of each.
+  template <class F>
+  static void forEachEnd(const F& f) {
+    f.template operator()<1>();
+    f.template operator()<2>();
+    f.template operator()<3>();
+  }
 
   /// Of a row's value that is made together with number `at` of the first row.
   size_t placeOf(size_t row, size_t at) const { return begin_ + row * width_ + at - row; }

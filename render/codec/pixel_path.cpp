@@ -4,10 +4,33 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 namespace warpscope {
+namespace {
+
+/// makeLattice()'s, of rays that are so long in the volume, without a division for each.
+void countSteps(std::span<const float> lengths, float step, std::span<int32_t> counts) {
+  const float* const length = lengths.data();
+  int32_t* const count = counts.data();
+  uint32_t longest = 0;  // as bits, which rise with positive numbers; those of what is not a number are above them all
+  for (size_t k = 0; k < lengths.size(); ++k) longest = std::max(longest, std::bit_cast<uint32_t>(length[k]));
+  // Up to so many, a product with the step is exact. One with its reciprocal, rounded down, is what is right, or one less; or it is already one more where rounding took it there.
+  constexpr double kMost = 1 << 29;
+  const double dt = step, perLength = 1.0 / dt;
+  if (!(dt > 0.0 && static_cast<double>(std::bit_cast<float>(longest)) * perLength < kMost)) {
+    for (size_t k = 0; k < lengths.size(); ++k) count[k] = makeLattice({0.0f, length[k]}, step).count;
+    return;
+  }
+  for (size_t k = 0; k < lengths.size(); ++k) {
+    const double own = length[k], about = std::floor(own * perLength), steps = about * dt < own ? about + 1.0 : about;
+    count[k] = steps >= 1.0 ? static_cast<int32_t>(steps) : 0;
+  }
+}
+
+}  // namespace
 
 void PixelPaths::narrow(std::span<const uint32_t> kept) {
   const auto keep = [&](auto& values) {
@@ -82,9 +105,9 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
       const PixelPath path = pathInside({t0s[k], lengths[k]}, 1.0f, step, jitter.shiftOf(column[k], row[k]));
       t0s[k] = path.t0;
       lengths[k] = path.length;
-      counts[k] = path.count;
       placeOrigins[k] = path.origin;
     }
+    countSteps({lengths + begin, end - begin}, step, {counts + begin, end - begin});
   }
 }
 

@@ -176,8 +176,9 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     if (l > 0) behind = reader.stream(tile, l);
     if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
     takeBorders(planes_, l == 0);
-    joinDifferences(differencesIn<SegmentBytes>(planes_), size, slots_.data() + 1);
-    makeFromNeighbors(layer_.runs(), makingColors(slots_.data() + 1, slots_.data()));
+    differences_.resize(size);
+    joinDifferences(differencesIn<SegmentBytes>(planes_), size, differences_.data());
+    makeFromNeighbors(layer_, TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
     for (size_t k = 0; k < size; ++k) {
       segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
       segments.colors[at_[k] + l] = slots_[k + 1];
