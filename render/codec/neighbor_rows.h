@@ -83,14 +83,14 @@ class RowMaking {
   /// Of a row's value that is made together with number `at` of the first row.
   size_t placeOf(size_t row, size_t at) const { return begin_ + row * width_ + at - row; }
 
-  /// What is written in front of a row's first value, where rows begin, is written over by the row before it.
+  /// What is written in front of a row's first value, where rows begin, is written over by the row above it: now, or later on.
   template <bool isFirst>
   void store(size_t at) {
     Block inputs[Formula::kInputs];
     for (size_t i = 0; i < Formula::kInputs; ++i)
       for (size_t row = 0; row < kRowsAtOnce; ++row) std::memcpy(&inputs[i][row], formula_.input(i) + placeOf(row, at), sizeof(RowLanes));
     const Block made = make<isFirst>(inputs, at);
-    for (size_t row = 0; row < kRowsAtOnce; ++row) std::memcpy(formula_.out() + placeOf(row, at), &made[row], sizeof(RowLanes));
+    for (size_t row = kRowsAtOnce; row-- > 0;) std::memcpy(formula_.out() + placeOf(row, at), &made[row], sizeof(RowLanes));
   }
 
   template <bool isFirst>

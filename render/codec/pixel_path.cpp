@@ -17,7 +17,8 @@ void countSteps(std::span<const float> lengths, float step, std::span<int32_t> c
   int32_t* const count = counts.data();
   uint32_t longest = 0;  // as bits, which rise with positive numbers; those of what is not a number are above them all
   for (size_t k = 0; k < lengths.size(); ++k) longest = std::max(longest, std::bit_cast<uint32_t>(length[k]));
-  // Up to so many, a product with the step is exact. One with its reciprocal, rounded down, is what is right, or one less; or it is already one more where rounding took it there.
+  // Up to so many steps, a product with dt is exact. One with its reciprocal, rounded down, is the quotient rounded down or up, or one less than a quotient that is whole:
+  // where it is too few for the length, one more is right.
   constexpr double kMost = 1 << 29;
   const double dt = step, perLength = 1.0 / dt;
   if (!(dt > 0.0 && static_cast<double>(std::bit_cast<float>(longest)) * perLength < kMost)) {

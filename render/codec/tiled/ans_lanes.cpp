@@ -180,7 +180,7 @@ AnsReader::AnsReader(std::span<const std::byte> bytes) : hasStream_(!bytes.empty
   ByteReader reader(bytes);
   for (uint32_t& state : states_) state = reader.take<uint32_t>();
   isBad_ = reader.ranOut() || std::ranges::any_of(states_, ansWants) || reader.left() % kWord != 0;
-  words_ = reader.take(reader.left());
+  words_ = reader.take(reader.left() / kWord * kWord);
 }
 
 /// Gives words to the first lanes that want some.

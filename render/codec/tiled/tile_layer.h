@@ -79,6 +79,9 @@ struct TileMaking {
   InRuns inRuns;
   InRows inRows;
 };
+template <class InRuns, class InRows>
+TileMaking(InRuns, InRows) -> TileMaking<InRuns, InRows>;
+
 /// All values of a layer.
 template <class... Makings>
 void makeFromNeighbors(const TileLayer& layer, const Makings&... makings) {
