@@ -321,5 +321,60 @@ RC_GTEST_PROP(AnsLanes, AreWhatOneStateAfterTheOtherMakes, ()) {
   }
 }
 
+/// However long they are, sound or damaged; with the same model, with one that has but one symbol, or with none.
+RC_GTEST_PROP(AnsLanes, TwoStreamsAtOnceAreThoseOneAfterTheOther, ()) {
+  std::mt19937 random(*rc::gen::arbitrary<uint32_t>());
+  const auto bits = *rc::gen::inRange<uint32_t>(1, 33);
+  const bool isConstant = *rc::gen::inRange(0, 4) == 0;
+  std::array<std::vector<uint8_t>, 2> symbols;
+  std::array<std::vector<uint32_t>, 2> numbers;
+  std::vector<uint8_t> allSymbols{0, static_cast<uint8_t>(isConstant ? 0 : 1)};
+  std::vector<uint32_t> allNumbers{1000, isConstant ? 1000u : 1};
+  for (size_t i = 0; i < 2; ++i) {
+    symbols[i] = randomSymbols(random, random() % 300, isConstant ? 1 : 2 + random() % (kAnsSymbols - 1));
+    numbers[i].resize(random() % 300);
+    for (uint32_t& number : numbers[i]) number = isConstant ? 960 + random() % 64 : static_cast<uint32_t>(uint64_t{random()} & ((uint64_t{1} << random() % (bits + 1)) - 1));
+    allSymbols.insert(allSymbols.end(), symbols[i].begin(), symbols[i].end());
+    allNumbers.insert(allNumbers.end(), numbers[i].begin(), numbers[i].end());
+  }
+  const AnsModel ofSymbols = modelOf(allSymbols), ofNumbers = modelOfNumbers(allNumbers);
+  std::array<ByteVector, 2> streams;
+  for (size_t i = 0; i < 2; ++i) {
+    AnsWriter writer;
+    writer.begin();
+    writer.putNumbers(AnsWriterModel(ofNumbers), numbers[i], tokensOf(numbers[i]));
+    writer.putBytes(AnsWriterModel(ofSymbols), symbols[i]);
+    writer.finish(streams[i]);
+  }
+  for (int damage = 0; damage < 3; ++damage) {
+    if (damage > 0)
+      if (ByteVector& stream = streams[random() % 2]; !stream.empty()) stream[random() % stream.size()] ^= static_cast<std::byte>(1u << random() % 8);
+    if (damage == 2) {
+      ByteVector& stream = streams[random() % 2];
+      stream.resize(stream.size() - std::min<size_t>(stream.size(), random() % 200));
+    }
+    std::array<AnsReader, 2> alone{AnsReader(streams[0]), AnsReader(streams[1])}, together = alone;
+    std::array<std::vector<uint8_t>, 2> symbolsAlone, symbolsTogether;
+    std::array<std::vector<uint32_t>, 2> numbersAlone, numbersTogether;
+    for (size_t i = 0; i < 2; ++i) {
+      symbolsAlone[i].resize(symbols[i].size());
+      numbersAlone[i].resize(numbers[i].size());
+      alone[i].takeBytes(AnsReaderModel(ofSymbols), symbolsAlone[i]);
+      alone[i].takeNumbers(AnsReaderModel(ofNumbers), numbersAlone[i]);
+    }
+    symbolsTogether = symbolsAlone, numbersTogether = numbersAlone;
+    for (size_t i = 0; i < 2; ++i) {
+      std::ranges::fill(symbolsTogether[i], uint8_t{77});
+      std::ranges::fill(numbersTogether[i], 77u);
+    }
+    AnsReader::takeBytes(AnsReaderModel(ofSymbols), together[0], symbolsTogether[0], together[1], symbolsTogether[1]);
+    AnsReader::takeNumbers(AnsReaderModel(ofNumbers), together[0], numbersTogether[0], together[1], numbersTogether[1]);
+    RC_ASSERT(symbolsTogether == symbolsAlone);
+    RC_ASSERT(numbersTogether == numbersAlone);
+    for (size_t i = 0; i < 2; ++i) RC_ASSERT(together[i].isSound() == alone[i].isSound());
+    if (damage == 0) RC_ASSERT(symbolsTogether == symbols && numbersTogether == numbers && together[0].isSound() && together[1].isSound());
+  }
+}
+
 }  // namespace
 }  // namespace warpscope
