@@ -11,6 +11,7 @@
 #include "render/codec/tiled/byte_block.h"
 #include "render/codec/tiled/symbol_counts.h"
 #include "render/codec/tiled/tile_layer.h"
+#include "render/codec/tiled/tile_making.h"
 #include "render/march/frame_places.h"
 #include "tests/codec_frames.h"
 

@@ -2,21 +2,15 @@
 // lanes of vectors. What is north of a value has been made a step before, in the lane beside it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <span>
+#include <type_traits>
+
+#include "render/codec/neighbor_runs.h"
 
 namespace warpscope {
-
-inline constexpr uint32_t kRowsAtOnce = 4;
-
-/// Rows one below the other, and another one like them above the first; what is west of a row's first value is what is above it.
-struct NeighborRows {
-  uint32_t begin = 0, width = 0, count = 0;  ///< number of the first value; values of a row, a multiple of kRowsAtOnce; rows, such a multiple too
-};
 
 /// A value of each row. Operators are the compilers' own, lane by lane.
 using RowLanes [[gnu::vector_size(kRowsAtOnce * sizeof(uint32_t))]] = uint32_t;

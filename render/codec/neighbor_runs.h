@@ -67,4 +67,12 @@ void makeFromNeighbors(std::span<const NeighborRun> runs, Makings... makings) {
   }
 }
 
+/// So many rows without gaps are made at once (neighbor_rows.h).
+inline constexpr uint32_t kRowsAtOnce = 4;
+
+/// Rows one below the other, and another one like them above the first; what is west of a row's first value is what is above it.
+struct NeighborRows {
+  uint32_t begin = 0, width = 0, count = 0;  ///< number of the first value; values of a row, a multiple of kRowsAtOnce; rows, such a multiple too
+};
+
 }  // namespace warpscope

@@ -36,11 +36,7 @@ WARPSCOPE_HD inline bool ansGives(uint32_t& state, const AnsShare& share, uint16
 WARPSCOPE_HD inline uint32_t ansPut(uint32_t state, const AnsShare& share) {
   return (state / share.frequency << kAnsBits) + state % share.frequency + share.start;
 }
-/// For a division by multiplication: the upper 32 bits of a state times this are the state's quotient by the frequency, or up to 2 less, because this is less than
-/// 1 + 1 / frequency below 2^32 / frequency and a state less than 2^32.
-WARPSCOPE_HD inline uint32_t ansReciprocal(uint32_t frequency) { return frequency > 0 ? ~0u / frequency : 0; }
-
-/// What a writer does with a symbol, for those that divide slowly. The quotient of any word by the frequency is the upper half of one product and sum, shifted (Robison
+/// What a writer does with a symbol, without dividing. The quotient of any word by the frequency is the upper half of one product and sum, shifted (Robison
 /// 2005, "N-bit unsigned division via N-bit multiply-add"). Only symbols that occur, in models of more than one, are put: with a frequency of 1 to kAnsScale - 1.
 struct AnsWriterShare {
   uint32_t multiplier = 0;

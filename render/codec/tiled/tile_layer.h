@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "render/codec/neighbor_rows.h"
 #include "render/codec/neighbor_runs.h"
 #include "render/codec/tiled/tile_grid.h"
 #include "render/core/transfer_vector.h"
@@ -72,20 +71,5 @@ class TileLayer {
   TransferVector<NeighborRun> runs_;
   std::vector<FullRows> fullRows_;
 };
-
-/// How values are made in runs (neighbor_runs.h) and in rows (neighbor_rows.h).
-template <class InRuns, class InRows>
-struct TileMaking {
-  InRuns inRuns;
-  InRows inRows;
-};
-template <class InRuns, class InRows>
-TileMaking(InRuns, InRows) -> TileMaking<InRuns, InRows>;
-
-/// All values of a layer.
-template <class... Makings>
-void makeFromNeighbors(const TileLayer& layer, const Makings&... makings) {
-  layer.forEachPart([&](std::span<const NeighborRun> runs) { makeFromNeighbors(runs, makings.inRuns...); }, [&](const NeighborRows& rows) { makeRows(rows, makings.inRows...); });
-}
 
 }  // namespace warpscope

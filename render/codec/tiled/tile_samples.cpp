@@ -9,6 +9,7 @@
 #include "render/codec/radius_prediction.h"
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tiled/sheet_colors.h"
+#include "render/codec/tiled/tile_making.h"
 #include "render/codec/tokens.h"
 #include "render/core/placed_hash.h"
 

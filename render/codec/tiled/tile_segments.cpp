@@ -7,6 +7,7 @@
 #include "render/codec/color_differences.h"
 #include "render/codec/place_differences.h"
 #include "render/codec/tiled/sheet_colors.h"
+#include "render/codec/tiled/tile_making.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
