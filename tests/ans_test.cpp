@@ -347,8 +347,7 @@ RC_GTEST_PROP(AnsLanes, TwoStreamsAtOnceAreThoseOneAfterTheOther, ()) {
     writer.finish(streams[i]);
   }
   for (int damage = 0; damage < 3; ++damage) {
-    if (damage > 0)
-      if (ByteVector& stream = streams[random() % 2]; !stream.empty()) stream[random() % stream.size()] ^= static_cast<std::byte>(1u << random() % 8);
+    if (ByteVector& stream = streams[random() % 2]; damage > 0 && !stream.empty()) stream[random() % stream.size()] ^= static_cast<std::byte>(1u << random() % 8);
     if (damage == 2) {
       ByteVector& stream = streams[random() % 2];
       stream.resize(stream.size() - std::min<size_t>(stream.size(), random() % 200));

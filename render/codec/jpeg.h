@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/codec/bytes.h"
 #include "render/core/color.h"
 #include "render/core/image.h"
 #include "render/march/sample_frame.h"

@@ -7,7 +7,6 @@
 
 #include <immintrin.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -34,17 +33,19 @@ class ByteBlock {
   __m256i lower_, upper_;
 #else
   explicit ByteBlock(const uint8_t* bytes) {
-    for (size_t i = 0; i < parts_.size(); ++i) parts_[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + 16 * i));
+    for (size_t i = 0; i < kParts; ++i) parts_[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + 16 * i));
   }
   uint64_t equalTo(uint8_t byte) const {
     uint64_t bits = 0;
-    for (size_t i = 0; i < parts_.size(); ++i)
+    for (size_t i = 0; i < kParts; ++i)
       bits |= uint64_t{static_cast<uint32_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(parts_[i], _mm_set1_epi8(static_cast<char>(byte)))))} << 16 * i;
     return bits;
   }
 
  private:
-  std::array<__m128i, 4> parts_;
+  static constexpr size_t kParts = kSize / sizeof(__m128i);
+
+  __m128i parts_[kParts];
 #endif
 };
 
