@@ -91,8 +91,24 @@ TEST(AnsModel, WhatDoesNotAddUpIsNone) {
 
 std::vector<uint8_t> tokensOf(std::span<const uint32_t> numbers) {
   std::vector<uint8_t> tokens(numbers.size());
-  findTokens(numbers, tokens);
+  const bool isOpen = findTokens(numbers, tokens);
+  EXPECT_EQ(isOpen, std::ranges::any_of(numbers, [](uint32_t number) { return number >= kDirectTokens; }));
+  for (size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(tokens[i], tokenOf(numbers[i])) << i << " of " << numbers.size();
   return tokens;
+}
+
+TEST(FindTokens, TellsOfAnyNumberThatItLeavesOpen) {
+  for (size_t size = 0; size < 70; ++size) {
+    std::vector<uint32_t> numbers(size, 3);
+    tokensOf(numbers);
+    for (uint32_t& number : numbers) {
+      for (const uint32_t open : {kDirectTokens - 1, kDirectTokens, ~0u}) {
+        number = open;
+        tokensOf(numbers);
+      }
+      number = 3;
+    }
+  }
 }
 
 RC_GTEST_PROP(AnsLanes, SymbolsAndNumbersComeBackInTheirOrder, ()) {
@@ -321,7 +337,7 @@ RC_GTEST_PROP(AnsLanes, AreWhatOneStateAfterTheOtherMakes, ()) {
   }
 }
 
-/// However long they are, sound or damaged; with the same model, with one that has but one symbol, or with none.
+/// However long they are, sound or damaged; with a model of several symbols, or of but one.
 RC_GTEST_PROP(AnsLanes, TwoStreamsAtOnceAreThoseOneAfterTheOther, ()) {
   std::mt19937 random(*rc::gen::arbitrary<uint32_t>());
   const auto bits = *rc::gen::inRange<uint32_t>(1, 33);

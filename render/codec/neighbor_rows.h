@@ -1,5 +1,6 @@
-// Values that are made one after the other from their neighbours (neighbor_runs.h), where rows have no gaps: several rows at once, each a value behind the one above it, as
-// lanes of vectors. What is north of a value has been made a step before, in the lane beside it.
+// Values that are made one after the other from their neighbours (neighbor_runs.h), where rows have no gaps: several rows
+// at once, each a value behind the one above it, as lanes of vectors. What is north of a value has been made a step
+// before, in the lane beside it (a wavefront; cf. Lamport 1974, "The parallel execution of DO loops").
 #pragma once
 
 #include <array>
@@ -11,6 +12,8 @@
 #include "render/codec/neighbor_runs.h"
 
 namespace warpscope {
+
+static_assert(kRowsAtOnce == 4, "what follows is written for four");
 
 /// A value of each row. Operators are the compilers' own, lane by lane.
 using RowLanes [[gnu::vector_size(kRowsAtOnce * sizeof(uint32_t))]] = uint32_t;
@@ -54,7 +57,7 @@ class RowMaking {
   }
   /// The next kRowsAtOnce values of each row; each row's are one in front of those of the row above it. `at`: of the first row.
   void goOn(size_t at) { store<false>(at); }
-  /// The values that are left.
+  /// The values that are left. The first row has none: what its lane reads and makes here counts for nothing.
   void end() {
     Block inputs[Formula::kInputs]{};
     for (size_t i = 0; i < Formula::kInputs; ++i) forEachEnd([&]<size_t row>() { std::memcpy(&inputs[i][row], formula_.input(i) + placeOf(row, width_), row * sizeof(uint32_t)); });

@@ -80,6 +80,49 @@ void forEachStepFromTheEnd(std::array<uint32_t, kAnsLanes>& states, size_t size,
   while (at > 0) step(all, at -= kAnsLanes, kAnsLanes);
 }
 
+#ifdef WARPSCOPE_HAS_ANS_VECTORS
+/// The words of a stream for vectors, which read some more than they take: behind the last there are zeros.
+class WordsAhead {
+ public:
+  WordsAhead(std::span<const std::byte> words, size_t next) : at_(words.data() + next), end_(words.data() + words.size()), left_(words.size()) {}
+  WordsAhead(const WordsAhead&) = delete;
+  WordsAhead& operator=(const WordsAhead&) = delete;
+
+  /// As many as there are lanes, and more behind them.
+  const std::byte* next() {
+    if (!isTail_ && static_cast<size_t>(end_ - at_) < kMost) startTail();
+    return at_;
+  }
+  void moveTo(const std::byte* at) {
+    at_ = at;
+    if (at_ <= end_) return;
+    ranOut_ = true;
+    at_ = end_;
+  }
+  bool ranOut() const { return ranOut_; }
+  /// Of the stream.
+  size_t place() const { return left_ - static_cast<size_t>(end_ - at_); }
+
+ private:
+  static constexpr size_t kMost = kAnsLanes * kWord;
+
+  void startTail() {
+    const auto size = static_cast<size_t>(end_ - at_);
+    std::copy(at_, end_, tail_.begin());
+    std::fill(tail_.begin() + static_cast<std::ptrdiff_t>(size), tail_.end(), std::byte{0});
+    at_ = tail_.data();
+    end_ = at_ + size;
+    isTail_ = true;
+  }
+
+  const std::byte* at_;
+  const std::byte* end_;
+  size_t left_;
+  std::array<std::byte, 2 * kMost + kAnsVectorLanes * kWord> tail_;
+  bool isTail_ = false, ranOut_ = false;
+};
+#endif
+
 }  // namespace
 
 bool findTokens(std::span<const uint32_t> numbers, std::span<uint8_t> tokens) {
@@ -198,45 +241,6 @@ inline void AnsReader::refill(uint32_t lanes) {
 }
 
 #ifdef WARPSCOPE_HAS_ANS_VECTORS
-/// The words of a stream for vectors, which read some more than they take: behind the last there are zeros.
-class WordsAhead {
- public:
-  WordsAhead(std::span<const std::byte> words, size_t next) : at_(words.data() + next), end_(words.data() + words.size()), left_(words.size()) {}
-
-  /// As many as there are lanes, and more behind them.
-  const std::byte* next() {
-    if (!isTail_ && static_cast<size_t>(end_ - at_) < kMost) startTail();
-    return at_;
-  }
-  void moveTo(const std::byte* at) {
-    at_ = at;
-    if (at_ <= end_) return;
-    ranOut_ = true;
-    at_ = end_;
-  }
-  bool ranOut() const { return ranOut_; }
-  /// Of the stream.
-  size_t place() const { return left_ - static_cast<size_t>(end_ - at_); }
-
- private:
-  static constexpr size_t kMost = kAnsLanes * kWord;
-
-  void startTail() {
-    const auto size = static_cast<size_t>(end_ - at_);
-    std::copy(at_, end_, tail_.begin());
-    std::fill(tail_.begin() + static_cast<std::ptrdiff_t>(size), tail_.end(), std::byte{0});
-    at_ = tail_.data();
-    end_ = at_ + size;
-    isTail_ = true;
-  }
-
-  const std::byte* at_;
-  const std::byte* end_;
-  size_t left_;
-  std::array<std::byte, 2 * kMost + kAnsVectorLanes * kWord> tail_;
-  bool isTail_ = false, ranOut_ = false;
-};
-
 /// A reader in registers, for as long as this is there.
 class AnsReader::InVectors {
  public:

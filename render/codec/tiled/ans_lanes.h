@@ -25,8 +25,10 @@ struct AnsWriterModel {
   static constexpr uint32_t kNear = 32;
 
   std::array<uint32_t, kAnsSymbols> multipliers{}, parts{};  ///< of each symbol's AnsWriterShare
-  uint8_t nearest = 0;  ///< the first of kNear symbols one after the other, 0 behind 255, that are the most frequent such ones
-  std::array<uint32_t, kNear> nearMultipliers{}, nearParts{};  ///< of these
+  /// The first of kNear symbols one after the other, 0 behind 255, that are the most frequent such ones; what is said of
+  /// these once more: two vectors of 16 lanes each hold it all, and nothing comes from memory (ans_vectors.h).
+  uint8_t nearest = 0;
+  std::array<uint32_t, kNear> nearMultipliers{}, nearParts{};
 
   explicit AnsWriterModel(const AnsModel& theModel);
 };

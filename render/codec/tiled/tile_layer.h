@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "render/codec/band_layout.h"
 #include "render/codec/neighbor_runs.h"
 #include "render/codec/tiled/tile_grid.h"
 #include "render/core/transfer_vector.h"

@@ -13,12 +13,13 @@ namespace warpscope {
 namespace {
 
 using Counts = std::array<uint32_t, kAnsSymbols>;
+
 bool hasStreams(const SheetTile& tile) {
   return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
 }
 
 /// Of a tile, model by model.
-void countSymbols(const SheetForm& form, const SheetTile& tile, std::span<SymbolCounts> counts) {
+void countSymbolsOf(const SheetForm& form, const SheetTile& tile, std::span<SymbolCounts> counts) {
   if (!hasStreams(tile)) return;
   for (uint32_t shape = 0; shape < form.shapes; ++shape) counts[shape].add(tile.shapes[shape]);
   for (uint32_t l = 0; l < tile.layerCount; ++l) {
@@ -36,7 +37,7 @@ std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTil
   constexpr size_t kFewTiles = 16;  // that are not worth counts of their own
   parallelForRanges(tiles.size(), kFewTiles, [&](size_t begin, size_t end) {
     std::vector<SymbolCounts> own(all.size());
-    for (const SheetTile& tile : tiles.subspan(begin, end - begin)) countSymbols(form, tile, own);
+    for (const SheetTile& tile : tiles.subspan(begin, end - begin)) countSymbolsOf(form, tile, own);
     const std::scoped_lock lock(mutex);
     for (size_t model = 0; model < all.size(); ++model) own[model].addTo(all[model]);
   });
@@ -162,14 +163,13 @@ bool SheetReader::takeLayer(AnsReader& stream, uint32_t layer, size_t size, Shee
 }
 
 bool SheetReader::takeFronts(const std::array<AnsReader*, 2>& streams, const std::array<size_t, 2>& sizes, std::array<SheetLayer, 2>& planes) const {
-  for (size_t i = 0; i < 2; ++i) {
-    if (sizes[i] > 0 && head_.layers == 0) return false;
-    planes[i].resize(head_.form, sizes[i]);
-  }
+  if (sizes[0] == 0 || sizes[1] == 0) return takeLayer(*streams[0], 0, sizes[0], planes[0]) && takeLayer(*streams[1], 0, sizes[1], planes[1]);
+  if (head_.layers == 0) return false;
+  for (size_t i = 0; i < 2; ++i) planes[i].resize(head_.form, sizes[i]);
   for (uint32_t plane = 0; plane < head_.form.numbers; ++plane)
-    if (sizes[0] + sizes[1] > 0) AnsReader::takeNumbers(number(0, plane), *streams[0], planes[0].number(plane), *streams[1], planes[1].number(plane));
+    AnsReader::takeNumbers(number(0, plane), *streams[0], planes[0].number(plane), *streams[1], planes[1].number(plane));
   for (uint32_t plane = 0; plane < head_.form.bytes; ++plane)
-    if (sizes[0] + sizes[1] > 0) AnsReader::takeBytes(byte(0, plane), *streams[0], planes[0].byte(plane), *streams[1], planes[1].byte(plane));
+    AnsReader::takeBytes(byte(0, plane), *streams[0], planes[0].byte(plane), *streams[1], planes[1].byte(plane));
   return streams[0]->isSound() && streams[1]->isSound();
 }
 

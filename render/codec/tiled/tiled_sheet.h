@@ -43,7 +43,7 @@ struct SheetLayer {
   std::span<const uint8_t> byte(size_t plane) const { return {bytes.data() + plane * size, size}; }
 };
 
-/// The same as it is written: tokens of numbers, and of planes whose tokens leave something open the numbers.
+/// The same as it is written: tokens of numbers, and the numbers of planes whose tokens leave something open.
 struct WrittenLayer {
   size_t size = 0;
   TransferVector<uint8_t> tokens, bytes;
@@ -53,6 +53,7 @@ struct WrittenLayer {
   void take(SheetLayer& layer);
   std::span<const uint8_t> token(size_t plane) const { return {tokens.data() + plane * size, size}; }
   std::span<const uint8_t> byte(size_t plane) const { return {bytes.data() + plane * size, size}; }
+  /// Anything where all the plane's tokens are below kDirectTokens.
   std::span<const uint32_t> number(size_t plane) const { return {numbers.data() + plane * size, size}; }
 };
 
@@ -61,6 +62,7 @@ struct SheetTile {
   uint32_t layerCount = 0;
   std::vector<WrittenLayer> layers;  ///< at least layerCount: those behind are kept for the next picture
 
+  /// The next one. Takes the bytes away.
   void addLayer(SheetLayer& layer) {
     if (layerCount == layers.size()) layers.emplace_back();
     layers[layerCount++].take(layer);
