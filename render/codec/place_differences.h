@@ -3,6 +3,8 @@
 // write cannot be what they read then.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -41,7 +43,7 @@ auto makingPlaces(const FineScale& scale, DifferenceAt differenceAt, int32_t* sl
   });
 }
 
-/// The same for rows (neighbor_rows.h).
+/// The same for rows (neighbor_rows.h): FineScale's formulas, lane by lane.
 struct PlacesInRows {
   static constexpr size_t kInputs = 2;
 
@@ -50,20 +52,19 @@ struct PlacesInRows {
   int32_t* fine;  ///< slots
   int32_t* places;
 
-  const void* inputOf(size_t i) const { return i == 0 ? static_cast<const void*>(scale.origins) : differences; }
-  const uint32_t* input(size_t i) const { return static_cast<const uint32_t*>(inputOf(i)); }
+  const uint32_t* input(size_t i) const { return i == 0 ? reinterpret_cast<const uint32_t*>(scale.origins) : differences; }
   const int32_t* slots() const { return fine; }
   int32_t* out() const { return places; }
   RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& place) const {
     const RowLanes &origin = inputs[0], &difference = inputs[1];
-    const RowLanes above = predictedLanes<SignedRowLanes>(west, north, northWest) + (placeOfFineHalf() - origin);
-    place = reinterpret_cast<RowLanes>(reinterpret_cast<SignedRowLanes>(above) >> scale.bits) + (difference >> 1 ^ (0u - (difference & 1)));
+    const RowLanes likely = predictedLanes<SignedRowLanes>(west, north, northWest) + (half() - origin);
+    place = reinterpret_cast<RowLanes>(reinterpret_cast<SignedRowLanes>(likely) >> scale.bits) + (difference >> 1 ^ (0u - (difference & 1)));
     return (place << scale.bits) + origin;
   }
   void finish(size_t first, size_t count) const {
     for (size_t k = first; k < first + count; ++k) fine[k + 1] = scale.fineOf(k, places[k]);
   }
-  uint32_t placeOfFineHalf() const { return scale.bits > 0 ? 1u << (scale.bits - 1) : 0u; }
+  uint32_t half() const { return scale.bits > 0 ? 1u << (scale.bits - 1) : 0u; }  ///< of a place, in fine units
 };
 
 /// Where the segments of a layer begin and end, in places of borders.

@@ -210,8 +210,9 @@ bool TileSamples::takeShapes(const SheetReader& reader, uint32_t tile, const Til
   return deepest == streams && deepest <= reader.layers();
 }
 
-std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows,
-                         Placement placement, size_t front, SampleFrame& frame, std::span<uint8_t> layers) {
+std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts,
+                                            std::span<const RowPart> rows, Placement placement, size_t front, SampleFrame& frame,
+                                            std::span<uint8_t> layers) {
   const uint32_t streams = reader.streams(tile);
   if (streams == 0) return 0;
   layer_.begin(rect, counts);
@@ -240,7 +241,10 @@ std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t 
     differences_.resize(size);
     joinDifferences(differencesIn<SampleBytes>(planes), size, differences_.data());
     const FineScale scale = paths_.fineScale();
-    makeFromNeighbors(layer_, TileMaking{makingPlaces(scale, [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_.data()), RowMaking(PlacesInRows{scale, ofPlaces, fine_.data(), places_.data()})},
+    const auto differenceAt = [ofPlaces](size_t k) { return ofPlaces[k]; };
+    makeFromNeighbors(layer_,
+                      TileMaking{makingPlaces(scale, differenceAt, fine_.data(), places_.data()),
+                                 RowMaking(PlacesInRows{scale, ofPlaces, fine_.data(), places_.data()})},
                       TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
     paths_.place(places_, codes_);
     {

@@ -25,7 +25,8 @@ constexpr SheetForm sampleForm(bool hasLayers) {
 /// One tile at a time; keeps its buffers.
 class TileSamples {
  public:
-  /// Fills what the sheet has of the tile. `rows`: of each of its rows. The frame's samples are in order (frame_order.h). Returns what these add to their hash (summed_hash.h).
+  /// Fills what the sheet has of the tile. `rows`: of each of its rows. The frame's samples are in order (frame_order.h).
+  /// Returns what these add to their hash (placed_hash.h).
   uint64_t pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile);
 
   /// Fills `counts` (samples of each pixel) from the tile's shapes, which the stream begins with. False if they are none of a tile whose pixels have at most `most`
@@ -35,8 +36,9 @@ class TileSamples {
   bool takeFronts(const SheetReader& reader, const std::array<AnsReader*, 2>& streams, const std::array<size_t, 2>& sizes) { return reader.takeFronts(streams, sizes, fronts_); }
   /// Fills the tile's samples and colours, and their layers unless there is no room for any. `front`: which of the two it is that takeFronts() was given. Returns what
   /// the samples add to their hash; nothing if a stream is damaged.
-  std::optional<uint64_t> unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows, Placement placement,
-              size_t front, SampleFrame& frame, std::span<uint8_t> layers);
+  std::optional<uint64_t> unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts,
+                                 std::span<const RowPart> rows, Placement placement, size_t front, SampleFrame& frame,
+                                 std::span<uint8_t> layers);
 
  private:
   void countSamples(const SampleFrame& frame, const TileRect& rect, std::span<const RowPart> rows, bool hasLayers);
