@@ -37,6 +37,8 @@ RowLanes predictedLanes(const RowLanes& west, const RowLanes& north, const RowLa
   return reinterpret_cast<RowLanes>(reinterpret_cast<Sums>(west) + reinterpret_cast<Sums>(north) - reinterpret_cast<Sums>(within));
 }
 
+inline RowLanes unzigzagLanes(const RowLanes& codes) { return codes >> 1 ^ (0u - (codes & 1)); }
+
 /// What `Formula` says of a value:
 ///   kInputs, input(i): what comes of each value, by its number;
 ///   slots(): what values are predicted from, one place on;

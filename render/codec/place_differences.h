@@ -58,13 +58,43 @@ struct PlacesInRows {
   RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& place) const {
     const RowLanes &origin = inputs[0], &difference = inputs[1];
     const RowLanes likely = predictedLanes<SignedRowLanes>(west, north, northWest) + (half() - origin);
-    place = reinterpret_cast<RowLanes>(reinterpret_cast<SignedRowLanes>(likely) >> scale.bits) + (difference >> 1 ^ (0u - (difference & 1)));
+    place = reinterpret_cast<RowLanes>(reinterpret_cast<SignedRowLanes>(likely) >> scale.bits) + unzigzagLanes(difference);
     return (place << scale.bits) + origin;
   }
   void finish(size_t first, size_t count) const {
     for (size_t k = first; k < first + count; ++k) fine[k + 1] = scale.fineOf(k, places[k]);
   }
   uint32_t half() const { return scale.bits > 0 ? 1u << (scale.bits - 1) : 0u; }  ///< of a place, in fine units
+};
+
+/// Folded differences of numbers that are predicted as they are. Slots are filled.
+inline void putNumbers(std::span<const NeighborRun> runs, const int32_t* slots, uint32_t* __restrict__ differences) {
+  for (const NeighborRun& run : runs) {
+    const RunSlots from(slots, run);
+    for (size_t i = 0; i < run.size; ++i) {
+      const size_t k = run.begin + i;
+      differences[k] = zigzag(wrappedDifference(slots[k + 1], predicted(from.west[i], from.north[i], from.northWest[i])));
+    }
+  }
+}
+/// Back.
+inline auto makingNumbers(const uint32_t* differences, int32_t* slots) {
+  return making(slots, [differences](size_t k, int32_t west, int32_t north, int32_t northWest) { return wrappedSum(predicted(west, north, northWest), unzigzag(differences[k])); });
+}
+/// The same for rows.
+struct NumbersInRows {
+  static constexpr size_t kInputs = 1;
+
+  const uint32_t* differences;
+  int32_t* numbers;  ///< slots
+
+  const uint32_t* input(size_t) const { return differences; }
+  const int32_t* slots() const { return numbers; }
+  int32_t* out() const { return numbers + 1; }
+  RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& number) const {
+    return number = predictedLanes<SignedRowLanes>(west, north, northWest) + unzigzagLanes(inputs[0]);
+  }
+  void finish(size_t, size_t) const {}
 };
 
 /// Where the segments of a layer begin and end, in places of borders.

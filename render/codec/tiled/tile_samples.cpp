@@ -74,7 +74,7 @@ void putRadii(const RadiusPrediction& radius, std::span<const NeighborRun> runs,
     return;
   }
   for (size_t k = 0; k < samples.size(); ++k) slots[k + 1] = static_cast<int32_t>(radiusCode(samples[k]));
-  forEachNeighbors(runs, [&](size_t k, const Neighbors& from) { out[k] = zigzag(slots[k + 1] - predictedSlot(slots, from)); });
+  putNumbers(runs, slots, out);
 }
 
 void takeRadii(const RadiusPrediction& radius, std::span<const NeighborRun> runs, const uint32_t* differences, const Rgba8* colors, int32_t* slots,

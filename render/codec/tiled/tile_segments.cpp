@@ -48,9 +48,11 @@ void TileSegments::startLayer() {
   const size_t size = layer_.size();
   for (TransferVector<uint32_t>* values : {&codes_, &endCodes_, &likely_}) values->resize(size);
   for (TransferVector<int32_t>* values : {&places_, &endPlaces_}) values->resize(size);
-  fine_.resize(size + 1);
+  for (TransferVector<int32_t>* slots : {&fine_, &endFine_}) {
+    slots->resize(size + 1);
+    slots->front() = 0;
+  }
   startColors(slots_, size);
-  fine_[0] = 0;
 }
 
 bool TileSegments::goBehind() {
@@ -66,17 +68,18 @@ bool TileSegments::goBehind() {
   return true;
 }
 
-template <class F>
-void TileSegments::forEachBorder(bool isFront, const F& f) {
-  warpscope::forEachBorder(paths_.fineScale(), layer_.runs(), isFront, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[k]; }, f);
-}
-
 void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
   paths_.locateBorders(codes_, places_);
   paths_.locateBorders(endCodes_, endPlaces_);
   uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
-  uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
-  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t place, bool isEnd) { (isEnd ? ends : begins)[k] = zigzag(wrappedDifference(place, likely)); });
+  if (isFront) {
+    putPlaces(paths_.fineScale(), layer_.runs(), places_, fine_.data(), begins);
+  } else {
+    for (size_t k = 0; k < layer_.size(); ++k) fine_[k + 1] = wrappedDifference(places_[k], ends_[k]);
+    putNumbers(layer_.runs(), fine_.data(), begins);
+  }
+  putPlaces(paths_.fineScale(), layer_.runs(), endPlaces_, endFine_.data(), planes.number(planeOf(SegmentNumbers::end)).data());
+  std::ranges::copy(endPlaces_, ends_.begin());
   // What the marcher's rounding and other rays' lattices make of it.
   const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, std::span<uint32_t> rests) {
     paths_.place(places, likely_);
@@ -86,10 +89,25 @@ void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
   putRests(endPlaces_, endCodes_, planes.number(planeOf(SegmentNumbers::endRest)));
 }
 
-void TileSegments::takeBorders(const SheetLayer& planes, bool isFront) {
-  const uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
-  const uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
-  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t& place, bool isEnd) { place = wrappedSum(likely, unzigzag((isEnd ? ends : begins)[k])); });
+/// Colours as well: what is made side by side takes hardly longer than the slowest of it.
+void TileSegments::takeBordersAndColors(SheetLayer& planes, bool isFront) {
+  const size_t size = layer_.size();
+  differences_.resize(size);
+  joinDifferences(differencesIn<SegmentBytes>(planes), size, differences_.data());
+  const TileMaking colors{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})};
+  const FineScale scale = paths_.fineScale();
+  const auto making = [&](const uint32_t* differences, int32_t* slots, int32_t* places) {
+    return TileMaking{makingPlaces(scale, [differences](size_t k) { return differences[k]; }, slots, places), RowMaking(PlacesInRows{scale, differences, slots, places})};
+  };
+  const uint32_t* const ofBegins = planes.number(planeOf(SegmentNumbers::begin)).data();
+  const auto ends = making(planes.number(planeOf(SegmentNumbers::end)).data(), endFine_.data(), endPlaces_.data());
+  if (isFront) {
+    makeFromNeighbors(layer_, making(ofBegins, fine_.data(), places_.data()), ends, colors);
+  } else {
+    makeFromNeighbors(layer_, TileMaking{makingNumbers(ofBegins, fine_.data()), RowMaking(NumbersInRows{ofBegins, fine_.data()})}, ends, colors);
+    for (size_t k = 0; k < size; ++k) places_[k] = wrappedSum(ends_[k], fine_[k + 1]);
+  }
+  std::ranges::copy(endPlaces_, ends_.begin());
   const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, std::span<const uint32_t> rests) {
     paths_.place(places, codes);
     for (size_t k = 0; k < rests.size(); ++k) codes[k] = (codes[k] + static_cast<uint32_t>(unzigzag(rests[k]))) & kDepthCodeMax;
@@ -176,10 +194,7 @@ bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRe
     AnsReader behind;
     if (l > 0) behind = reader.stream(tile, l);
     if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
-    takeBorders(planes_, l == 0);
-    differences_.resize(size);
-    joinDifferences(differencesIn<SegmentBytes>(planes_), size, differences_.data());
-    makeFromNeighbors(layer_, TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
+    takeBordersAndColors(planes_, l == 0);
     for (size_t k = 0; k < size; ++k) {
       segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
       segments.colors[at_[k] + l] = slots_[k + 1];

@@ -35,9 +35,7 @@ class TileSegments {
   void startLayer();
   bool goBehind();
   void putBorders(SheetLayer& planes, bool isFront);
-  void takeBorders(const SheetLayer& planes, bool isFront);
-  template <class F>
-  void forEachBorder(bool isFront, const F& f);
+  void takeBordersAndColors(SheetLayer& planes, bool isFront);
 
   TileLayer layer_;
   PixelPaths paths_;
@@ -46,7 +44,8 @@ class TileSegments {
   TransferVector<uint32_t> at_;  // of each element of the layer, its ray's first segment among the frame's
   TransferVector<int32_t> ends_;  // of each, where the segment in front ends
   TransferVector<uint32_t> codes_, endCodes_, likely_;
-  TransferVector<int32_t> places_, endPlaces_, fine_;
+  TransferVector<int32_t> places_, endPlaces_;
+  TransferVector<int32_t> fine_, endFine_;  // slots: of where they begin, or of the gaps in front of them; of where they end
   TransferVector<Rgba8> slots_, differences_;
 };
 
