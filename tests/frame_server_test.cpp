@@ -42,8 +42,8 @@ std::string refusalOf(Marcher& marcher, const Camera& camera, const MarchSetting
 class FrameServerTest : public ::testing::Test {
  protected:
   FrameServer& serve(ServeLimits limits) { return serve(limits, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {})); }
-  FrameServer& serve(ServeLimits limits, MarcherPtr marcher) {
-    server_ = std::make_unique<FrameServer>(io_, scene_, std::move(marcher), net::ServerSettings{}, limits);
+  FrameServer& serve(ServeLimits limits, MarcherPtr marcher, const net::ServerSettings& settings = {}) {
+    server_ = std::make_unique<FrameServer>(io_, scene_, std::move(marcher), settings, limits);
     return *server_;
   }
   MarcherPtr client() {
@@ -332,7 +332,9 @@ TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {
 }
 
 TEST_F(FrameServerTest, WhatALargeFrameTookIsGivenBack) {
-  serve({});
+  net::ServerSettings patient;
+  patient.patience = 60s;  // a client that says nothing while it waits is not left: how long the frame takes is not asked here
+  serve({}, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), patient);
   net::FrameRequest request;
   const auto served = [&](uint32_t side) {  // its bytes are dropped here as they come
     net::BareSocket socket = net::greetedClientAt(server_->port());
@@ -341,7 +343,7 @@ TEST_F(FrameServerTest, WhatALargeFrameTookIsGivenBack) {
     request.settings = toFields(scene_.march);
     request.codec = toFields(CodecSettings{});
     socket.send(net::requestMessage(request));
-    return socket.skipFrame(60s);  // how long it takes is not asked here
+    return socket.skipFrame(60s);
   };
   ASSERT_TRUE(served(64));
   const size_t before = net::memoryBytes();
