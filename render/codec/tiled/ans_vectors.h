@@ -58,7 +58,12 @@ inline void storeLanes(const AnsVector& lanes, uint8_t* bytes) { _mm_storeu_si12
 inline AnsVector gatheredLanes(const uint32_t* numbers, const AnsVector& places) { return lanesOfRegister(_mm512_i32gather_epi32(registerOf(places), numbers, 4)); }
 /// Which lanes of the first are less than those of the second: a bit each.
 inline AnsChoice areLess(const AnsVector& a, const AnsVector& b) { return _mm512_cmplt_epu32_mask(registerOf(a), registerOf(b)); }
-inline uint32_t bitsOf(AnsChoice choice) { return choice; }
+inline uint32_t bitsOf(AnsChoice choice) {
+  uint32_t bits = choice;
+  // GCC 12 may leave them in a mask's register, write its 16 bits to memory where such registers are few, and read 32 back.
+  asm("" : "+r"(bits));
+  return bits;
+}
 inline AnsVector chosen(AnsChoice choice, const AnsVector& a, const AnsVector& b) { return lanesOfRegister(_mm512_mask_mov_epi32(registerOf(b), choice, registerOf(a))); }
 
 /// The upper halves of products.
