@@ -41,7 +41,9 @@ std::string refusalOf(Marcher& marcher, const Camera& camera, const MarchSetting
 
 class FrameServerTest : public ::testing::Test {
  protected:
-  FrameServer& serve(ServeLimits limits) { return serve(limits, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {})); }
+  FrameServer& serve(ServeLimits limits, const net::ServerSettings& settings = {}) {
+    return serve(limits, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), settings);
+  }
   FrameServer& serve(ServeLimits limits, MarcherPtr marcher, const net::ServerSettings& settings = {}) {
     server_ = std::make_unique<FrameServer>(io_, scene_, std::move(marcher), settings, limits);
     return *server_;
@@ -334,7 +336,7 @@ TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {
 TEST_F(FrameServerTest, WhatALargeFrameTookIsGivenBack) {
   net::ServerSettings patient;
   patient.patience = 60s;  // a client that says nothing while it waits is not left: how long the frame takes is not asked here
-  serve({}, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), patient);
+  serve({}, patient);
   net::FrameRequest request;
   const auto served = [&](uint32_t side) {  // its bytes are dropped here as they come
     net::BareSocket socket = net::greetedClientAt(server_->port());

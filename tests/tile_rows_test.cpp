@@ -41,15 +41,11 @@ struct Given {
 size_t expectRowsAsRuns(const TileLayer& layer, uint32_t width, const Given& given) {
   const auto made = [&](const auto& make) {
     Made all{std::vector<int32_t>(layer.size() + 1), std::vector<int32_t>(layer.size()), std::vector<Rgba8>(layer.size() + 1)};
-    const auto places = makingPlaces(given.scale(), [&](size_t k) { return given.places[k]; }, all.fine.data(), all.places.data());
-    make(all, places, makingColors(given.colors.data(), all.colors.data()));
+    make(makingTilePlaces(given.scale(), given.places.data(), all.fine.data(), all.places.data()), makingTileColors(given.colors.data(), all.colors.data()));
     return all;
   };
-  const Made expected = made([&](Made&, const auto& places, const auto& colors) { makeFromNeighbors(layer.runs(), places, colors); });
-  const Made found = made([&](Made& all, const auto& places, const auto& colors) {
-    makeFromNeighbors(layer, TileMaking{places, RowMaking(PlacesInRows{given.scale(), given.places.data(), all.fine.data(), all.places.data()})},
-                      TileMaking{colors, RowMaking(ColorsInRows{given.colors.data(), all.colors.data()})});
-  });
+  const Made expected = made([&](const auto& places, const auto& colors) { makeFromNeighbors(layer.runs(), places.inRuns, colors.inRuns); });
+  const Made found = made([&](const auto& places, const auto& colors) { makeFromNeighbors(layer, places, colors); });
   EXPECT_EQ(found, expected);
   size_t next = 0, inRows = 0;  // parts are all values, in order
   layer.forEachPart(

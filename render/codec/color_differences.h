@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -160,21 +161,11 @@ inline auto makingColors(const Rgba8* differences, Rgba8* slots) {
   };
   return Making<Rgba8, ColorChannels, decltype(make)>(slots, make);
 }
-/// The same for rows (neighbor_rows.h). Differences are not where colours go.
-struct ColorsInRows {
-  static constexpr size_t kInputs = 1;
-
-  const Rgba8* differences;
-  Rgba8* colors;  ///< slots
-
-  const Rgba8* input(size_t) const { return differences; }
-  const Rgba8* slots() const { return colors; }
-  Rgba8* out() const { return colors + 1; }
+/// The same for rows (neighbor_rows.h).
+struct ColorsInRows : ValuesInRows<Rgba8> {
   RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& color) const {
-    color = reinterpret_cast<RowLanes>(reinterpret_cast<ByteRowLanes>(predictedLanes<ByteRowLanes>(west, north, northWest)) + reinterpret_cast<ByteRowLanes>(inputs[0]));
-    return color;
+    return color = reinterpret_cast<RowLanes>(reinterpret_cast<ByteRowLanes>(predictedLanes<ByteRowLanes>(west, north, northWest)) + reinterpret_cast<ByteRowLanes>(inputs[0]));
   }
-  void finish(size_t, size_t) const {}
 };
 
 }  // namespace warpscope

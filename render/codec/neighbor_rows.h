@@ -130,6 +130,20 @@ class RowMaking {
   RowLanes last_{}, northWest_{};
 };
 
+/// What formulas share whose values are made of one difference each and are what goes out.
+template <class T>
+struct ValuesInRows {
+  static constexpr size_t kInputs = 1;
+
+  const uint32_t* differences;
+  T* values;  ///< slots; not where the differences are
+
+  const uint32_t* input(size_t) const { return differences; }
+  const T* slots() const { return values; }
+  T* out() const { return values + 1; }
+  void finish(size_t, size_t) const {}
+};
+
 /// Each waits for what it made before, and none for another.
 template <class... Makings>
 void makeRows(const NeighborRows& rows, Makings... makings) {

@@ -82,19 +82,10 @@ inline auto makingNumbers(const uint32_t* differences, int32_t* slots) {
   return making(slots, [differences](size_t k, int32_t west, int32_t north, int32_t northWest) { return wrappedSum(predicted(west, north, northWest), unzigzag(differences[k])); });
 }
 /// The same for rows.
-struct NumbersInRows {
-  static constexpr size_t kInputs = 1;
-
-  const uint32_t* differences;
-  int32_t* numbers;  ///< slots
-
-  const uint32_t* input(size_t) const { return differences; }
-  const int32_t* slots() const { return numbers; }
-  int32_t* out() const { return numbers + 1; }
+struct NumbersInRows : ValuesInRows<int32_t> {
   RowLanes make(const RowLanes& west, const RowLanes& north, const RowLanes& northWest, const std::array<RowLanes, kInputs>& inputs, RowLanes& number) const {
     return number = predictedLanes<SignedRowLanes>(west, north, northWest) + unzigzagLanes(inputs[0]);
   }
-  void finish(size_t, size_t) const {}
 };
 
 /// Where the segments of a layer begin and end, in places of borders.

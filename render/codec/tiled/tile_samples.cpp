@@ -7,22 +7,16 @@
 #include "render/codec/color_differences.h"
 #include "render/codec/place_differences.h"
 #include "render/codec/radius_prediction.h"
+#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tiled/sheet_colors.h"
 #include "render/codec/tiled/tile_making.h"
 #include "render/codec/tokens.h"
-#include "render/core/placed_hash.h"
 
 namespace warpscope {
 namespace {
 
 size_t planeOf(SampleNumbers plane) { return static_cast<size_t>(plane); }
-
-uint64_t placedHashes(const PackedSample* samples, size_t count, size_t first) {
-  uint64_t sum = 0;
-  for (size_t i = 0; i < count; ++i) sum += placedHash(samples[i], first + i);
-  return sum;
-}
 
 /// Each row changed by the row above.
 void putMask(const TileLayer& front, const TileRect& rect, TransferVector<uint8_t>& changes) {
@@ -158,7 +152,7 @@ uint64_t TileSamples::pack(const SampleFrame& frame, Placement placement, const 
     forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
       std::copy_n(frame.samples.data() + at, count, samples_.data() + k);
       std::copy_n(frame.colors.data() + at, count, slots_.data() + 1 + k);
-      hash += placedHashes(samples_.data() + k, count, at);
+      hash += placedHashes(0, count, [own = samples_.data() + k](size_t i) { return own[i]; }, at);
     });
     paths_.locate(samples_, places_);
     paths_.place(places_, codes_);
@@ -240,12 +234,7 @@ std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t 
     const uint32_t* const ofPlaces = planes.number(planeOf(SampleNumbers::place)).data();
     differences_.resize(size);
     joinDifferences(differencesIn<SampleBytes>(planes), size, differences_.data());
-    const FineScale scale = paths_.fineScale();
-    const auto differenceAt = [ofPlaces](size_t k) { return ofPlaces[k]; };
-    makeFromNeighbors(layer_,
-                      TileMaking{makingPlaces(scale, differenceAt, fine_.data(), places_.data()),
-                                 RowMaking(PlacesInRows{scale, ofPlaces, fine_.data(), places_.data()})},
-                      TileMaking{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})});
+    makeFromNeighbors(layer_, makingTilePlaces(paths_.fineScale(), ofPlaces, fine_.data(), places_.data()), makingTileColors(differences_.data(), slots_.data()));
     paths_.place(places_, codes_);
     {
       const uint32_t* const difference = planes.number(planeOf(SampleNumbers::depth)).data();
@@ -260,7 +249,7 @@ std::optional<uint64_t> TileSamples::unpack(const SheetReader& reader, uint32_t 
     forEachStretch(hasLayers, at_, l, ownRows, [&](size_t k, uint32_t at, size_t count) {
       std::copy_n(samples_.data() + k, count, frame.samples.data() + at);
       std::copy_n(slots_.data() + 1 + k, count, frame.colors.data() + at);
-      hash += placedHashes(samples_.data() + k, count, at);
+      hash += placedHashes(0, count, [own = samples_.data() + k](size_t i) { return own[i]; }, at);
       if (hasLayers) std::fill_n(layers.data() + at, count, static_cast<uint8_t>(l));
     });
     if (l + 1 == streams) break;

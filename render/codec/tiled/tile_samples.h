@@ -26,7 +26,7 @@ constexpr SheetForm sampleForm(bool hasLayers) {
 class TileSamples {
  public:
   /// Fills what the sheet has of the tile. `rows`: of each of its rows. The frame's samples are in order (frame_order.h).
-  /// Returns what these add to their hash (placed_hash.h).
+  /// Returns what these add to their hash (summed_hash.h).
   uint64_t pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile);
 
   /// Fills `counts` (samples of each pixel) from the tile's shapes, which the stream begins with. False if they are none of a tile whose pixels have at most `most`

@@ -94,17 +94,14 @@ void TileSegments::takeBordersAndColors(SheetLayer& planes, bool isFront) {
   const size_t size = layer_.size();
   differences_.resize(size);
   joinDifferences(differencesIn<SegmentBytes>(planes), size, differences_.data());
-  const TileMaking colors{makingColors(differences_.data(), slots_.data()), RowMaking(ColorsInRows{differences_.data(), slots_.data()})};
+  const auto colors = makingTileColors(differences_.data(), slots_.data());
   const FineScale scale = paths_.fineScale();
-  const auto making = [&](const uint32_t* differences, int32_t* slots, int32_t* places) {
-    return TileMaking{makingPlaces(scale, [differences](size_t k) { return differences[k]; }, slots, places), RowMaking(PlacesInRows{scale, differences, slots, places})};
-  };
   const uint32_t* const ofBegins = planes.number(planeOf(SegmentNumbers::begin)).data();
-  const auto ends = making(planes.number(planeOf(SegmentNumbers::end)).data(), endFine_.data(), endPlaces_.data());
+  const auto ends = makingTilePlaces(scale, planes.number(planeOf(SegmentNumbers::end)).data(), endFine_.data(), endPlaces_.data());
   if (isFront) {
-    makeFromNeighbors(layer_, making(ofBegins, fine_.data(), places_.data()), ends, colors);
+    makeFromNeighbors(layer_, makingTilePlaces(scale, ofBegins, fine_.data(), places_.data()), ends, colors);
   } else {
-    makeFromNeighbors(layer_, TileMaking{makingNumbers(ofBegins, fine_.data()), RowMaking(NumbersInRows{ofBegins, fine_.data()})}, ends, colors);
+    makeFromNeighbors(layer_, makingTileNumbers(ofBegins, fine_.data()), ends, colors);
     for (size_t k = 0; k < size; ++k) places_[k] = wrappedSum(ends_[k], fine_[k + 1]);
   }
   std::ranges::copy(endPlaces_, ends_.begin());
