@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -104,7 +105,8 @@ class FrameContent {
   std::vector<size_t> first_;
 };
 
-/// By many small steps along the ray, each of which asks the pixels that it is between.
+/// By many small steps along the ray, each of which asks the pixels that it is between: it is as if it were one of theirs, likely by how near that is, and, since it came between them, by
+/// what of it that one would have let through.
 inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNear, double tFar, bool isLinear,
                            int steps) {
   const FrameContent content(frame);
@@ -112,6 +114,12 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
   const glm::dvec3 eye(camera.eye), right(camera.right), up(camera.up), forward(camera.forward);
   const double edge = static_cast<double>(pixelEdge(camera)), width = camera.width, height = camera.height;
   MetByRay expected;
+  struct Between {
+    double weight = 0.0, left = 1.0;
+    PixelContent content;
+  };
+  std::array<Between, 4> pixels;
+  glm::ivec2 cell(-1000);
   const double dt = (tFar - tNear) / steps;
   for (int i = 0; i < steps; ++i) {
     const double t = tNear + (i + 0.5) * dt;
@@ -123,34 +131,38 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
       continue;
     }
     const double depth = z - static_cast<double>(frame.quantization.nearDepth);
-    double known = 0.0, extinction = 0.0;
-    glm::dvec3 emission(0.0);
-    const auto add = [&](int column, int row, double weight) {
-      const PixelContent pixel = content.at(std::clamp(column, 0, static_cast<int>(width) - 1),
-                                            std::clamp(row, 0, static_cast<int>(height) - 1), depth);
-      if (!pixel.isKnown || !(weight > 0.0)) return;
-      known += weight;
-      extinction += weight * pixel.extinction;
-      emission += weight * pixel.extinction * pixel.color;
+    const auto set = [&](size_t i, int column, int row, double weight) {
+      pixels[i].content = content.at(std::clamp(column, 0, static_cast<int>(width) - 1),
+                                     std::clamp(row, 0, static_cast<int>(height) - 1), depth);
+      pixels[i].weight = pixels[i].content.isKnown ? weight : 0.0;
     };
-    if (isLinear) {
-      const double u = x - 0.5, v = y - 0.5;
-      const int column = static_cast<int>(std::floor(u)), row = static_cast<int>(std::floor(v));
-      const double a = u - column, b = v - row;
-      add(column, row, (1 - a) * (1 - b));
-      add(column + 1, row, a * (1 - b));
-      add(column, row + 1, (1 - a) * b);
-      add(column + 1, row + 1, a * b);
-    } else {
-      add(static_cast<int>(x), static_cast<int>(y), 1.0);
+    const double shift = isLinear ? 0.5 : 0.0;
+    const glm::ivec2 now(std::floor(x - shift), std::floor(y - shift));
+    if (now != cell)
+      for (Between& pixel : pixels) pixel = {};
+    cell = now;
+    const double a = isLinear ? x - shift - now.x : 0.0, b = isLinear ? y - shift - now.y : 0.0;
+    for (size_t i = 0; i < 4; ++i) {
+      const bool isRight = i % 2 == 1, isBelow = i >= 2;
+      set(i, now.x + isRight, now.y + isBelow, (isRight ? a : 1 - a) * (isBelow ? b : 1 - b));
+    }
+    double known = 0.0, likely = 0.0, stopped = 0.0;
+    glm::dvec3 light(0.0);
+    for (Between& pixel : pixels) {
+      known += pixel.weight;
+      const double opacity = -std::expm1(-pixel.content.extinction * dt);
+      likely += pixel.weight * pixel.left;
+      stopped += pixel.weight * pixel.left * opacity;
+      light += pixel.weight * pixel.left * opacity * pixel.content.color;
     }
     if (known < static_cast<double>(kLeastKnown)) {
       expected.unknown += dt;
       continue;
     }
-    const double opacity = -std::expm1(-extinction / known * dt);
-    if (extinction > 0.0) expected.color += expected.through * opacity * emission / extinction;
-    expected.through *= 1.0 - opacity;
+    for (Between& pixel : pixels) pixel.left *= std::exp(-pixel.content.extinction * dt);
+    if (!(likely > 0.0)) continue;
+    expected.color += expected.through / likely * light;
+    expected.through *= 1.0 - stopped / likely;
   }
   return expected;
 }

@@ -1,6 +1,6 @@
 // Segments from the march to the picture: what marchers find, the codec's way and back, damage, the technique in the server's own view and beside it, light for
-// another camera, and the coarse copy of the volume.
-// Mirrors render/codec/segment_coding.h, render/codec/proxy_coding.h, render/volume/proxy.h, render/effects/relight.h and render/warp/segments_warp.h.
+// another camera.
+// Mirrors render/codec/segment_coding.h, render/codec/proxy_coding.h, render/effects/relight.h and render/warp/segments_warp.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -376,74 +376,6 @@ TEST(Normals, ComeBackWithinWhatTheirHeaderSaysWithoutTheirSign) {
   EXPECT_LT(worst, 0.6);
   EXPECT_EQ(encodeNormal(glm::vec3(0.0f)), 0);
   EXPECT_EQ(decodeNormal(0), glm::vec3(0.0f));
-}
-
-TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
-  const VolumePtr volume = makeTestVolume(VoxelType::float64, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 7e-323; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8);
-  EXPECT_GT(proxy.scale.perCode, 0.0);
-  for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) {
-    const double value = proxy.scale.lowest + proxy.volume->voxelsAs<uint8_t>()[i] * proxy.scale.perCode;
-    EXPECT_LE(value, volume->statistics().highest);
-  }
-}
-
-TEST(Proxy, HoldsMeansOfWhatLiesInEachVoxel) {
-  const VolumePtr volume = makeTestVolume(VoxelType::uint16, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 4);
-  ASSERT_EQ(proxy.volume->dims(), glm::uvec3(4, 3, 2));
-  EXPECT_EQ(proxy.volume->bounds().upper, volume->bounds().upper);
-  for (uint32_t z = 0; z < 2; ++z)
-    for (uint32_t y = 0; y < 3; ++y)
-      for (uint32_t x = 0; x < 4; ++x) {
-        const double mean = (2.0 * x + 0.5) * 100.0 + (2.0 * y + 0.5) * 10.0 + 2.0 * z + 0.5;
-        const double code = proxy.volume->voxelsAs<uint8_t>()[x + 4 * (y + 3 * z)];
-        EXPECT_NEAR(proxy.scale.lowest + code * proxy.scale.perCode, mean, 0.5 * proxy.scale.perCode + 1e-9);
-      }
-}
-
-TEST(Proxy, OfUnevenSizesKeepsTheSumOfValues) {
-  const glm::uvec3 dims(31, 17, 23);
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 4));
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 9);
-  double fine = 0.0, coarse = 0.0;
-  for (size_t i = 0; i < volume->voxelCount(); ++i) fine += volume->voxelsAs<uint8_t>()[i];
-  for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) coarse += proxy.volume->voxelsAs<uint8_t>()[i];
-  EXPECT_NEAR(coarse / static_cast<double>(proxy.volume->voxelCount()), fine / static_cast<double>(volume->voxelCount()), 0.3);
-}
-
-TEST(Proxy, OfValuesFartherApartThanTheLargestNumber) {
-  const glm::uvec3 dims(8, 8, 8);
-  for (const double most : {1.7e308, 1e308, 8e307}) {
-    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), colorful(1.0f), 8);
-    EXPECT_TRUE(std::isfinite(copy.scale.perCode) && copy.scale.perCode > 0.0);
-    EXPECT_NEAR(copy.scale.codeOf(0.0), 127.5, 1e-9);
-    const uint8_t* const voxels = copy.volume->voxelsAs<uint8_t>();
-    for (size_t i = 0; i < copy.volume->voxelCount(); ++i) ASSERT_EQ(voxels[i], i % 8 < 4 ? 0 : 255);
-    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), colorful(1.0f), 2);
-    for (size_t i = 0; i < coarse.volume->voxelCount(); ++i) ASSERT_NEAR(coarse.volume->voxelsAs<uint8_t>()[i], 127.5, 0.51);
-  }
-}
-
-TEST(Proxy, LeavesOutWhatIsMissing) {
-  const VolumePtr volume = makeTestVolume(VoxelType::float32, {4, 4, 4}, [](const glm::ivec3& p) { return p.x < 2 ? std::nan("") : p.y < 2 ? 10.0 : 20.0; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 2);
-  ASSERT_TRUE(proxy.scale.hasMissing);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[0], 0);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[1], 1);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[3], 255);
-  const TransferFunction codes = functionOfCodes(proxy);
-  EXPECT_EQ(codes.at(0.0).a, 0.0f);
-  EXPECT_EQ(codes.at(1.0).a, 0.5f);
-}
-
-/// Filtered as finely as the volume is, it is the volume.
-TEST(Proxy, OfAllVoxelsGivesTheVolumesPicture) {
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 11));
-  const Proxy proxy = makeProxy(*volume, colorful(0.5f), 48);
-  ASSERT_EQ(proxy.volume->dims(), kDims);
-  const MarcherPtr ofVolume = makeCpuMarcher(volume, colorful(0.5f)), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
-  EXPECT_GT(psnrSrgb(rendered(*ofCopy, kServer), rendered(*ofVolume, kServer), glm::vec3(0.0f)), 45.0);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ inline constexpr double kMostViewPan = 100.0;
 inline MarchSettings defaultMarch() {
   MarchSettings march;
   march.sample.segments = kUsualSegments;
-  march.sample.proxy = 96;
+  march.sample.proxy = 128;
   return march;
 }
 

@@ -1,36 +1,21 @@
-// Weighted means, in parallel over slices.
+// Weighted means, in parallel over rows, and the fit of them.
 // See proxy.h.
 #include "render/volume/proxy.h"
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <span>
 #include <tuple>
 
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/volume/kept_slices.h"
+#include "render/volume/linear_fit.h"
 
 namespace warpscope {
 namespace {
-
-/// What of the volume's voxels lies in the copy's, along an axis.
-struct Coverage {
-  uint32_t first = 0;
-  std::vector<float> weights;
-};
-
-std::vector<Coverage> coveragesOf(uint32_t fine, uint32_t coarse) {
-  std::vector<Coverage> all(coarse);
-  const double ratio = static_cast<double>(fine) / coarse;
-  for (uint32_t i = 0; i < coarse; ++i) {
-    const double begin = i * ratio, end = (i + 1) * ratio;
-    all[i].first = static_cast<uint32_t>(begin);
-    for (uint32_t voxel = all[i].first; voxel < fine && voxel < end; ++voxel)
-      all[i].weights.push_back(static_cast<float>(std::min(end, voxel + 1.0) - std::max(begin, static_cast<double>(voxel))));
-  }
-  return all;
-}
 
 glm::uvec3 dimsFor(const VolumeGeometry& geometry, int longest) {
   const glm::dvec3 extent = glm::dvec3(geometry.dims) * geometry.spacing;
@@ -40,9 +25,73 @@ glm::uvec3 dimsFor(const VolumeGeometry& geometry, int longest) {
   return dims;
 }
 
-/// Of the values that a voxel of the copy covers.
+/// Of a voxel of the copy: the mean of the values that it stands for, as far as it is summed up.
 struct Sum {
   double values = 0.0, weights = 0.0;
+  bool hasOwn = false;  ///< a value whose place is within it
+};
+
+/// Means of a volume's voxels for its copy, rows of them. `kHasMissing`: voxels that are not finite are left out.
+template <class Voxel, bool kHasMissing>
+class RowSums {
+ public:
+  RowSums(const Volume& volume, const GridFit& fit, double factor)
+      : in_(volume.voxelsAs<Voxel>()), dims_(volume.dims()), fit_(fit), factor_(factor), values_(dims_.x), weights_(kHasMissing ? dims_.x : 0), own_(kHasMissing ? dims_.x : 0) {}
+
+  /// What slices [first, end) of the volume give to a row of the copy's.
+  void add(size_t row, uint32_t first, uint32_t end, std::span<Sum> sums) {
+    const LinearFit::Mean& ofY = fit_.y.mean(row % fit_.y.size());
+    const LinearFit::Mean& ofZ = fit_.z.mean(row / fit_.y.size());
+    for (uint32_t z = std::max(first, ofZ.first); z < std::min(end, ofZ.end()); ++z) {
+      addLines(ofY, z, ofZ.isOwn(z));
+      const double ofSlice = ofZ.weights[z - ofZ.first];
+      for (size_t x = 0; x < sums.size(); ++x) addTo(sums[x], fit_.x.mean(x), ofSlice);
+    }
+  }
+
+ private:
+  /// The lines of a slice for a row, each with its weight.
+  void addLines(const LinearFit::Mean& ofY, uint32_t z, bool isOwnSlice) {
+    std::ranges::fill(values_, 0.0);
+    std::ranges::fill(weights_, 0.0);
+    std::ranges::fill(own_, false);
+    for (uint32_t y = ofY.first; y < ofY.end(); ++y) {
+      const Voxel* const line = in_ + (size_t{z} * dims_.y + y) * dims_.x;
+      const double weight = ofY.weights[y - ofY.first], factor = weight * factor_;
+      if constexpr (kHasMissing) {
+        const bool isOwn = isOwnSlice && ofY.isOwn(y);
+        for (uint32_t x = 0; x < dims_.x; ++x) {
+          const auto value = static_cast<double>(line[x]);
+          if (!std::isfinite(value)) continue;
+          values_[x] += factor * value;
+          weights_[x] += weight;
+          own_[x] |= isOwn;
+        }
+      } else {
+        for (uint32_t x = 0; x < dims_.x; ++x) values_[x] += factor * static_cast<double>(line[x]);
+      }
+    }
+  }
+  void addTo(Sum& sum, const LinearFit::Mean& ofX, double ofSlice) const {
+    double values = 0.0, weights = 0.0;
+    for (uint32_t x = ofX.first; x < ofX.end(); ++x) {
+      const double weight = ofX.weights[x - ofX.first];
+      values += weight * values_[x];
+      if constexpr (kHasMissing) {
+        weights += weight * weights_[x];
+        sum.hasOwn |= own_[x] && ofX.isOwn(x);
+      }
+    }
+    sum.values += ofSlice * values;
+    if constexpr (kHasMissing) sum.weights += ofSlice * weights;
+  }
+
+  const Voxel* in_;
+  glm::uvec3 dims_;
+  const GridFit& fit_;
+  double factor_;
+  std::vector<double> values_, weights_;
+  std::vector<uint8_t> own_;
 };
 
 }  // namespace
@@ -65,86 +114,70 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const double halfRange = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
   proxy.scale.perCode = halfRange > 0.0 ? std::max(2.0 * (halfRange / codes), 2.0 * std::numeric_limits<double>::denorm_min()) : 1.0;
 
-  const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
-                              alongZ = coveragesOf(fine.dims.z, geometry.dims.z);
-  const size_t rows = size_t{geometry.dims.z} * geometry.dims.y;
+  const GridFit fit{{fine.dims.x, geometry.dims.x}, {fine.dims.y, geometry.dims.y}, {fine.dims.z, geometry.dims.z}};
+  const size_t columns = geometry.dims.x, rowsOfSlice = geometry.dims.y;
   size_t firstOfShare, endOfShare;
-  std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), rows);
-  if (volume.ranks() && firstOfShare < endOfShare) {
-    const Coverage &first = alongZ[firstOfShare / geometry.dims.y], &last = alongZ[(endOfShare - 1) / geometry.dims.y];
-    volume.provide({{0, first.first}, {fine.dims.y, last.first + static_cast<uint32_t>(last.weights.size())}}, stop);
-  }
-  auto voxels = std::make_shared<std::vector<uint8_t>>((endOfShare - firstOfShare) * geometry.dims.x);
+  std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), geometry.dims.z * rowsOfSlice);
+  if (volume.ranks() && firstOfShare < endOfShare)
+    volume.provide({{0, fit.z.mean(firstOfShare / rowsOfSlice).first}, {fine.dims.y, fit.z.mean((endOfShare - 1) / rowsOfSlice).end()}}, stop);
+  std::vector<float> unrounded((endOfShare - firstOfShare) * columns);  // codes; NaN: missing
   const ProxyScale scale = proxy.scale;
   // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.
   const double smaller = std::max(std::abs(statistics.lowest), std::abs(statistics.highest)) > 0x1p900 ? 0x1p-64 : 1.0;
-  visitVoxelType(volume.type(), [&](auto tag) {
-    using Voxel = decltype(tag);
-    const Voxel* const in = volume.voxelsAs<Voxel>();
-    const size_t strideY = fine.dims.x, strideZ = strideY * fine.dims.y;
-    // What slices [first, end) give to a row.
-    const auto add = [&](size_t row, uint32_t first, uint32_t end, Sum* sums) {
-      keepWithinMemoryLimit();
-      const Coverage& ofY = alongY[row % geometry.dims.y];
-      const Coverage& ofZ = alongZ[row / geometry.dims.y];
-      for (uint32_t x = 0; x < geometry.dims.x; ++x) {
-        const Coverage& ofX = alongX[x];
-        Sum sum = sums[x];
-        for (size_t k = 0; k < ofZ.weights.size(); ++k) {
-          if (ofZ.first + k < first || ofZ.first + k >= end) continue;
-          for (size_t j = 0; j < ofY.weights.size(); ++j) {
-            const Voxel* const line = in + (ofZ.first + k) * strideZ + (ofY.first + j) * strideY + ofX.first;
-            const double ofLine = static_cast<double>(ofZ.weights[k]) * static_cast<double>(ofY.weights[j]);
-            for (size_t i = 0; i < ofX.weights.size(); ++i) {
-              const double value = static_cast<double>(line[i]);
-              if (!std::isfinite(value)) continue;
-              const double weight = ofLine * static_cast<double>(ofX.weights[i]);
-              sum.values += weight * (value * smaller);
-              sum.weights += weight;
-            }
-          }
-        }
-        sums[x] = sum;
-      }
-    };
-    const auto finish = [&](size_t row, const Sum* sums) {
-      for (uint32_t x = 0; x < geometry.dims.x; ++x) {
-        const auto& [values, weights] = sums[x];
-        uint8_t code = 0;
-        if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(values / weights / smaller), scale.hasMissing ? 1.0 : 0.0, 255.0)));
-        (*voxels)[(row - firstOfShare) * geometry.dims.x + x] = code;
-      }
-    };
-    const auto makeRows = [&](size_t first, size_t end) {
-      parallelForRanges(end - first, 1, stop, [&](size_t begin, size_t last) {
-        std::vector<Sum> sums(geometry.dims.x);
-        for (size_t row = first + begin; row < first + last; ++row) {
+  const auto finish = [&](size_t row, std::span<const Sum> sums) {
+    for (size_t x = 0; x < columns; ++x) {
+      const auto& [values, weights, hasOwn] = sums[x];
+      const double mean = scale.hasMissing ? values / weights : values;
+      unrounded[(row - firstOfShare) * columns + x] = scale.hasMissing && !hasOwn ? NAN : static_cast<float>(scale.codeOf(mean / smaller));
+    }
+  };
+  const auto sumUp = [&]<class Voxel, bool kHasMissing>() {
+    using Rows = RowSums<Voxel, kHasMissing>;
+    const uint32_t kept = slicesKept(volume);
+    if (kept == fine.dims.z) {
+      parallelForRanges(endOfShare - firstOfShare, 1, stop, [&](size_t begin, size_t end) {
+        Rows rows(volume, fit, smaller);
+        std::vector<Sum> sums(columns);
+        for (size_t row = firstOfShare + begin; row < firstOfShare + end; ++row) {
+          keepWithinMemoryLimit();
           std::ranges::fill(sums, Sum{});
-          add(row, 0, fine.dims.z, sums.data());
-          finish(row, sums.data());
+          rows.add(row, 0, fine.dims.z, sums);
+          finish(row, sums);
         }
       });
-    };
-    const uint32_t kept = slicesKept(volume);
-    if (kept == fine.dims.z) return makeRows(firstOfShare, endOfShare);
-    // The copy's slices each, of which one may cover more slices than are kept.
-    for (uint32_t slice = 0; slice < geometry.dims.z; ++slice) {
-      const uint32_t first = alongZ[slice].first, end = first + static_cast<uint32_t>(alongZ[slice].weights.size());
-      std::vector<Sum> sums(size_t{geometry.dims.y} * geometry.dims.x);
-      const auto forRows = [&](const auto& body) {
-        parallelForRanges(geometry.dims.y, 1, stop, [&](size_t begin, size_t last) {
-          for (size_t y = begin; y < last; ++y) body(size_t{slice} * geometry.dims.y + y, &sums[y * geometry.dims.x]);
-        });
-      };
-      for (uint32_t at = first; at < end; at += std::min(kept, end - at)) {
-        const uint32_t next = at + std::min(kept, end - at);
-        const auto held = volume.hold({{0, at}, {fine.dims.y, next}}, stop);
-        forRows([&](size_t row, Sum* ofRow) { add(row, at, next, ofRow); });
-      }
-      forRows(finish);
+      return;
     }
+    // All slices in their order, as many as are kept at a time, for those of the copy that they count for: few, since what one is made of overlaps that of the next ones alone.
+    std::deque<std::vector<Sum>> open;
+    uint32_t firstOpen = 0;
+    for (uint32_t at = 0; at < fine.dims.z;) {
+      while (firstOpen + open.size() < geometry.dims.z && fit.z.mean(firstOpen + open.size()).first <= at) open.emplace_back(rowsOfSlice * columns);
+      uint32_t next = at + std::min(kept, fine.dims.z - at);
+      if (firstOpen + open.size() < geometry.dims.z) next = std::min(next, fit.z.mean(firstOpen + open.size()).first);
+      const auto held = volume.hold({{0, at}, {fine.dims.y, next}}, stop);
+      parallelForRanges(open.size() * rowsOfSlice, 1, stop, [&](size_t begin, size_t end) {
+        Rows rows(volume, fit, smaller);
+        for (size_t i = begin; i < end; ++i) {
+          keepWithinMemoryLimit();
+          rows.add(firstOpen * rowsOfSlice + i, at, next, std::span(open[i / rowsOfSlice]).subspan(i % rowsOfSlice * columns, columns));
+        }
+      });
+      at = next;
+      for (; !open.empty() && fit.z.mean(firstOpen).end() <= at; ++firstOpen, open.pop_front())
+        for (size_t y = 0; y < rowsOfSlice; ++y) finish(firstOpen * rowsOfSlice + y, std::span(open.front()).subspan(y * columns, columns));
+    }
+  };
+  visitVoxelType(volume.type(), [&](auto tag) {
+    using Voxel = decltype(tag);
+    if constexpr (std::is_floating_point_v<Voxel>)
+      if (scale.hasMissing) return sumUp.template operator()<Voxel, true>();
+    sumUp.template operator()<Voxel, false>();
   });
-  if (volume.ranks()) volume.ranks()->allGather(*voxels);
+  if (volume.ranks()) volume.ranks()->allGather(unrounded);
+  fit.solve(unrounded);
+  auto voxels = std::make_shared<std::vector<uint8_t>>(unrounded.size());
+  for (size_t i = 0; i < unrounded.size(); ++i)
+    (*voxels)[i] = std::isnan(unrounded[i]) ? uint8_t{0} : static_cast<uint8_t>(std::lround(std::clamp(unrounded[i], scale.hasMissing ? 1.0f : 0.0f, 255.0f)));
   const void* const data = voxels->data();
   proxy.volume = std::make_shared<const Volume>(volume.name(), VoxelType::uint8, geometry, std::move(voxels), data, stop);
   return proxy;

@@ -129,7 +129,7 @@ constexpr size_t kOtherGlPixels = 0;
 constexpr uint64_t kSamplesFingerprint = 0x54d462d793539dc7, kColorsFingerprint = 2197309016990898340ull;
 constexpr std::pair<std::string_view, uint64_t> kFingerprints[] = {
     {"reference", 0x469c682cce881d2a}, {"hold", 0x786667ce1e3e4100},     {"spheres", 0x33c0d9de4a69f05b},
-    {"rotate", 0xc02c12e4eb14120a},    {"splats", 0x33c0d9de4a69f05b}, {"multihit", 0x1e4db011a741c953}, {"segments", 0xab64fd6c177aa972},
+    {"rotate", 0xc02c12e4eb14120a},    {"splats", 0x33c0d9de4a69f05b}, {"multihit", 0x1e4db011a741c953}, {"segments", 0xacfe26d08249542b},
 };
 
 TEST(Metamorphic, PlaceAndUnitOfTheWorldChangeNothing) {

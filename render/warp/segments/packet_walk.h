@@ -273,9 +273,38 @@ class PacketWalk {
     return found;
   }
 
+  /// A piece that is so long, over the divisors, by what the pixels about it have.
+  [[gnu::always_inline]] void pass(const M& which, const F (&weights)[kPixels], const F& way, const F& divisors, F (&left)[kPixels]) {
+    F opacity, share, red(0.0f), green(0.0f), blue(0.0f);
+    if constexpr (kIsLinear) {
+      const F length = way / divisors;
+      F all(0.0f), stopped(0.0f);
+      for (int i = 0; i < kPixels; ++i) {
+        const State& state = states_[i];
+        const F its = opacityOf(state.extinction * length), weight = weights[i] * left[i], own = weight * its;
+        all = all + weight;
+        stopped = stopped + own;
+        red = red + own * state.red, green = green + own * state.green, blue = blue + own * state.blue;
+        left[i] = selected(which, maxOf(left[i] * (F(1.0f) - its), F(kLeastLeft)), left[i]);
+      }
+      const F perWeight = F(1.0f) / all;
+      opacity = stopped * perWeight, share = through_ * perWeight;
+    } else {
+      opacity = opacityOf(states_[0].extinction * way / divisors), share = through_ * opacity;
+      red = states_[0].red, green = states_[0].green, blue = states_[0].blue;
+    }
+    const M isAny = which & (opacity > F(0.0f));
+    red_ = selected(isAny, mulAdd(share, red, red_), red_);
+    green_ = selected(isAny, mulAdd(share, green, green_), green_);
+    blue_ = selected(isAny, mulAdd(share, blue, blue_), blue_);
+    through_ = selected(isAny, through_ * (F(1.0f) - opacity), through_);
+  }
+
   /// Through the cells in which all are that are still under way, in pieces in which nothing changes, and to the next ones.
   void walkCells() {
     M piecing = active_, leaving = M(false);
+    F left[kPixels];  // as walkBlended() says
+    for (F& one : left) one = F(1.0f);
     while (xsimd::any(piecing)) {
       findStates(piecing);
       F until = depthOut_;
@@ -295,12 +324,10 @@ class PacketWalk {
       } else {
         weights[0] = F(1.0f);
       }
-      F known(0.0f), extinction(0.0f), red(0.0f), green(0.0f), blue(0.0f);
+      F known(0.0f);
       for (int i = 0; i < kPixels; ++i) {
-        known = known + weights[i] * states_[i].known;
-        const F own = weights[i] * states_[i].extinction;
-        extinction = extinction + own;
-        red = red + own * states_[i].red, green = green + own * states_[i].green, blue = blue + own * states_[i].blue;
+        weights[i] = weights[i] * states_[i].known;
+        known = known + weights[i];
       }
       const M isUnknown = known < F(kLeastKnown);
       if constexpr (kFills) {
@@ -311,19 +338,7 @@ class PacketWalk {
           piecing = piecing & !interrupted;
         }
       }
-      const M passing = piecing & !isUnknown & (extinction > F(0.0f));
-      if (xsimd::any(passing)) {
-        const F opacity = opacityOf(extinction * (spaceBy_ * share) / (known * (divisorAt(s_) * divisorAt(to))));
-        F seen = through_ * opacity;
-        if constexpr (kIsLinear)
-          seen = through_ * (opacity / extinction);
-        else
-          red = states_[0].red, green = states_[0].green, blue = states_[0].blue;
-        red_ = selected(passing, mulAdd(seen, red, red_), red_);
-        green_ = selected(passing, mulAdd(seen, green, green_), green_);
-        blue_ = selected(passing, mulAdd(seen, blue, blue_), blue_);
-        through_ = selected(passing, through_ * (F(1.0f) - opacity), through_);
-      }
+      if (const M passing = piecing & !isUnknown; xsimd::any(passing)) pass(passing, weights, spaceBy_ * share, divisorAt(s_) * divisorAt(to), left);
       s_ = selected(piecing, to, s_);
       const M stopped = piecing & (through_ < F(stopBelow_));
       active_ = active_ & !stopped;

@@ -1,6 +1,11 @@
 // A ray of a new camera through the segments of a frame, front to back. For host and device.
 // Volumetric depth images: Frey, Sadlo, Ertl 2013; their ray casting through the old camera's pixels: Gupta et al. 2023; how the lines go: field_line.h. Deviations:
-// between the centres of four pixels their extinction and emission are blended; frusta are leapt over by tiles (Amanatides, Woo 1987, on a pyramid).
+// between the centres of four pixels what these show is blended; frusta are leapt over by tiles (Amanatides, Woo 1987, on a pyramid).
+//
+// Blended is light, not extinction: a ray between four pixels is taken to be one of theirs, each as likely as it has weight, and what is seen is the mean. So an outline between a pixel
+// that is in something dense and one that is not is as wide on the one side as on the other, where means of extinction move it outwards; and a ray that keeps its place between the four sees
+// their colours interpolated. As it goes on within a cell, of those that would have been stopped by now less is left, and each weighs by that (Bayes). That is right as far as a ray keeps its place
+// between pixels, which it does at small angles; at others a cell is short, what is in it is thin, and both are the same. What it is worth: tests/bench.
 #pragma once
 
 #include "render/core/opacity.h"
@@ -52,6 +57,9 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
   }
   return state;
 }
+
+/// Of light, on the way along what a pixel has, that is left at least: weights have a sum.
+inline constexpr float kLeastLeft = 1e-6f;
 
 /// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
 inline constexpr float kLeastKnown = 1.0f / 64;
@@ -139,6 +147,7 @@ template <AtUnknown kAtUnknown>
     if (kept != Kept::alongY) states[1].until = expired;
     if (kept != Kept::alongX) states[2].until = expired;
     states[3].until = expired;
+    float left[kPixels] = {1.0f, 1.0f, 1.0f, 1.0f};  // within the cell, of light that goes along what each has
     for (;;) {
       float until = depthOut;
       for (int i = 0; i < kPixels; ++i) {
@@ -158,22 +167,29 @@ template <AtUnknown kAtUnknown>
       weights[1] = maxOf(u - weights[3], 0.0f);
       weights[2] = maxOf(v - weights[3], 0.0f);
       weights[0] = maxOf(1.0f - u - weights[2], 0.0f);
-      float known = 0.0f, extinction = 0.0f;
-      glm::vec3 emission(0.0f);
+      float known = 0.0f;
       for (int i = 0; i < kPixels; ++i) {
-        // Without branches: of what is in no segment the first one's colour is taken by nothing.
-        known += weights[i] * states[i].known;
-        const float own = weights[i] * states[i].extinction;
-        extinction += own;
-        emission += own * field.matter[states[i].active].color;
+        weights[i] *= states[i].known;
+        known += weights[i];
       }
       if (known < kLeastKnown) {
         if (beginsUnknown()) return false;
       } else {
         if (endsUnknown()) return false;
-        if (extinction > 0.0f) {
-          const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
-          walked.pass(emission, opacity / extinction, opacity);
+        const float length = spaceBy * share / (line.divisorAt(s) * line.divisorAt(to));
+        float all = 0.0f, stopped = 0.0f;
+        glm::vec3 light(0.0f);
+        for (int i = 0; i < kPixels; ++i) {
+          // Without branches: of what is in no segment the first one's colour is taken by nothing.
+          const float opacity = opacityOf(states[i].extinction * length), weight = weights[i] * left[i], own = weight * opacity;
+          all += weight;
+          stopped += own;
+          light += own * field.matter[states[i].active].color;
+          left[i] = maxOf(left[i] * (1.0f - opacity), kLeastLeft);
+        }
+        if (stopped > 0.0f) {
+          const float perWeight = 1.0f / all;
+          walked.pass(light, perWeight, stopped * perWeight);
         }
       }
       s = to;
@@ -201,7 +217,7 @@ template <AtUnknown kAtUnknown>
 /// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
 /// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
 /// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
-/// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
+/// `kIsLinear`: between the centres of pixels what they show is blended, of those that know; else each pixel's is the same all over its frustum.
 /// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
 template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
 WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
