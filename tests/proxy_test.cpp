@@ -41,7 +41,7 @@ std::vector<double> fitted(const std::vector<double>& many, size_t few) {
   const LinearFit fit(static_cast<uint32_t>(many.size()), static_cast<uint32_t>(few));
   std::vector<double> numbers;
   for (size_t i = 0; i < few; ++i) {
-    const LinearFit::Mean& mean = fit.mean(i);
+    const CellMean& mean = fit.means()[i];
     numbers.push_back(std::inner_product(mean.weights.begin(), mean.weights.end(), many.begin() + mean.first, 0.0));
   }
   fit.solve(numbers);
@@ -88,12 +88,12 @@ TEST(LinearFit, WhatIsMissingChangesNothingBesideIt) {
 TEST(LinearFit, CellsOwnWhatHasItsMiddleInThem) {
   const LinearFit fit(10, 4);  // of 2.5 each
   const std::vector<std::pair<uint32_t, uint32_t>> own{{0, 3}, {2, 5}, {5, 8}, {7, 10}};  // a middle on a border is in both
-  for (size_t i = 0; i < own.size(); ++i) EXPECT_EQ(std::pair(fit.mean(i).ownFirst, fit.mean(i).ownEnd), own[i]) << i;
+  for (size_t i = 0; i < own.size(); ++i) EXPECT_EQ(std::pair(fit.means()[i].ownFirst, fit.means()[i].ownEnd), own[i]) << i;
 }
 
 TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
   const VolumePtr volume = makeTestVolume(VoxelType::float64, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 7e-323; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8, CopyFilter::nearest);
   EXPECT_GT(proxy.scale.perCode, 0.0);
   for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) {
     const double value = proxy.scale.lowest + proxy.volume->voxelsAs<uint8_t>()[i] * proxy.scale.perCode;
@@ -104,7 +104,7 @@ TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
 /// What goes straight from voxel to voxel does so from one of the copy's to the next, but near the ends, where neither goes on.
 TEST(Proxy, OfARampIsARamp) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint16, {48, 36, 32}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::nearest);
   ASSERT_EQ(proxy.volume->dims(), glm::uvec3(24, 18, 16));
   EXPECT_EQ(proxy.volume->bounds().upper, volume->bounds().upper);
   for (uint32_t z = 6; z < 10; ++z)
@@ -122,7 +122,7 @@ TEST(Proxy, IsNearerThanMeans) {
     const double beyond = glm::length(glm::dvec3(p) - 20.0) - 12.0;
     return 200.0 * std::exp(-0.5 * beyond * beyond);
   });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::nearest);
   const glm::uvec3 dims = proxy.volume->dims();
   ASSERT_EQ(dims, kBlobDims / 2u);
   const auto fine = [&](const glm::uvec3& p) { return static_cast<double>(volume->voxelsAs<uint8_t>()[p.x + kBlobDims.x * (p.y + kBlobDims.y * p.z)]); };
@@ -154,15 +154,38 @@ TEST(Proxy, IsNearerThanMeans) {
   EXPECT_LT(squaredError(fits), 0.7 * squaredError(means));
 }
 
+TEST(Proxy, ForLightHoldsMeansOfWhatLiesInEachVoxel) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint16, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 4, CopyFilter::means);
+  ASSERT_EQ(proxy.volume->dims(), glm::uvec3(4, 3, 2));
+  for (uint32_t z = 0; z < 2; ++z)
+    for (uint32_t y = 0; y < 3; ++y)
+      for (uint32_t x = 0; x < 4; ++x) {
+        const double mean = (2.0 * x + 0.5) * 100.0 + (2.0 * y + 0.5) * 10.0 + 2.0 * z + 0.5;
+        const double code = proxy.volume->voxelsAs<uint8_t>()[x + 4 * (y + 3 * z)];
+        EXPECT_NEAR(proxy.scale.lowest + code * proxy.scale.perCode, mean, 0.5 * proxy.scale.perCode + 1e-9);
+      }
+}
+
+TEST(Proxy, OfUnevenSizesKeepsTheSumOfValues) {
+  const glm::uvec3 dims(31, 17, 23);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 4));
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 9, CopyFilter::means);
+  double fine = 0.0, coarse = 0.0;
+  for (size_t i = 0; i < volume->voxelCount(); ++i) fine += volume->voxelsAs<uint8_t>()[i];
+  for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) coarse += proxy.volume->voxelsAs<uint8_t>()[i];
+  EXPECT_NEAR(coarse / static_cast<double>(proxy.volume->voxelCount()), fine / static_cast<double>(volume->voxelCount()), 0.3);
+}
+
 TEST(Proxy, OfValuesFartherApartThanTheLargestNumber) {
   const glm::uvec3 dims(8, 8, 8);
   for (const double most : {1.7e308, 1e308, 8e307}) {
-    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), blobColors(1.0f), 8);
+    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), blobColors(1.0f), 8, CopyFilter::nearest);
     EXPECT_TRUE(std::isfinite(copy.scale.perCode) && copy.scale.perCode > 0.0);
     EXPECT_NEAR(copy.scale.codeOf(0.0), 127.5, 1e-9);
     const uint8_t* const voxels = copy.volume->voxelsAs<uint8_t>();
     for (size_t i = 0; i < copy.volume->voxelCount(); ++i) ASSERT_EQ(voxels[i], i % 8 < 4 ? 0 : 255);
-    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), blobColors(1.0f), 2);
+    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), blobColors(1.0f), 2, CopyFilter::nearest);
     const uint8_t* const ofBoth = coarse.volume->voxelsAs<uint8_t>();
     for (size_t i = 0; i < coarse.volume->voxelCount(); i += 2) ASSERT_NEAR(ofBoth[i] + ofBoth[i + 1], 255, 1) << "one is as far below the middle as the other is above";
   }
@@ -170,20 +193,22 @@ TEST(Proxy, OfValuesFartherApartThanTheLargestNumber) {
 
 TEST(Proxy, LeavesOutWhatIsMissing) {
   const VolumePtr volume = makeTestVolume(VoxelType::float32, {4, 4, 4}, [](const glm::ivec3& p) { return p.x < 2 ? std::nan("") : p.y < 2 ? 10.0 : 20.0; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 2);
-  ASSERT_TRUE(proxy.scale.hasMissing);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[0], 0);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[1], 1);
-  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[3], 255);
-  const TransferFunction codes = functionOfCodes(proxy);
-  EXPECT_EQ(codes.at(0.0).a, 0.0f);
-  EXPECT_EQ(codes.at(1.0).a, 0.5f);
+  for (const CopyFilter filter : {CopyFilter::nearest, CopyFilter::means}) {
+    const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 2, filter);
+    ASSERT_TRUE(proxy.scale.hasMissing);
+    EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[0], 0);
+    EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[1], 1);
+    EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[3], 255);
+    const TransferFunction codes = functionOfCodes(proxy);
+    EXPECT_EQ(codes.at(0.0).a, 0.0f);
+    EXPECT_EQ(codes.at(1.0).a, 0.5f);
+  }
 }
 
 /// Filtered as finely as the volume is, it is the volume.
 TEST(Proxy, OfAllVoxelsGivesTheVolumesPicture) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, kBlobDims, blobs(kBlobDims, 11));
-  const Proxy proxy = makeProxy(*volume, blobColors(0.5f), 48);
+  const Proxy proxy = makeProxy(*volume, blobColors(0.5f), 48, CopyFilter::nearest);
   ASSERT_EQ(proxy.volume->dims(), kBlobDims);
   const MarcherPtr ofVolume = makeCpuMarcher(volume, blobColors(0.5f)), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
   EXPECT_GT(psnrSrgb(rendered(*ofCopy, kBlobViewer), rendered(*ofVolume, kBlobViewer), glm::vec3(0.0f)), 45.0);

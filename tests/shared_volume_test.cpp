@@ -279,12 +279,13 @@ TEST(SparseVoxels, AVolumeMadeSlabBySlabIsTheWholeOne) {
   EXPECT_EQ(std::memcmp(ofSlabs.highest(), cells.highest(), cells.count() * sizeof(float)), 0);
 
   const TransferFunction function = band(200, 250, 0.05f);
-  for (const int longest : {2, 7, 64}) {  // a voxel of the first copy covers more slices than are kept, those of others share some
-    SCOPED_TRACE(longest);
-    const Proxy expected = makeProxy(whole, function, longest), copy = makeProxy(slabs, function, longest);
-    ASSERT_EQ(copy.volume->dims(), expected.volume->dims());
-    EXPECT_EQ(std::memcmp(copy.volume->voxels(), expected.volume->voxels(), expected.volume->sizeBytes()), 0);
-  }
+  for (const int longest : {2, 7, 64})  // a voxel of the first copy covers more slices than are kept, those of others share some
+    for (const CopyFilter filter : {CopyFilter::nearest, CopyFilter::means}) {
+      SCOPED_TRACE(longest);
+      const Proxy expected = makeProxy(whole, function, longest, filter), copy = makeProxy(slabs, function, longest, filter);
+      ASSERT_EQ(copy.volume->dims(), expected.volume->dims());
+      EXPECT_EQ(std::memcmp(copy.volume->voxels(), expected.volume->voxels(), expected.volume->sizeBytes()), 0);
+    }
 
   const MarcherPtr alone = makeCpuMarcher(volumes.whole(), function), marcher = makeFittingCpuMarcher(volumes.slabs(), function);
   MarchSettings settings;

@@ -36,7 +36,7 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
 void BrickWork::makeLightCopy(uint32_t index) {
   end();  // of voxels others are needed now
   Function& function = functions_.at(index);
-  function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge, ranks().stop())));
+  function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge, CopyFilter::means, ranks().stop())));
   function.hasLightCopy = true;
   releaseShare();
 }

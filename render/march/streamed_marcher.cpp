@@ -11,6 +11,7 @@
 #include "render/march/marcher_cpu.h"
 #include "render/march/piecewise_marcher.h"
 #include "render/volume/kept_slices.h"
+#include "render/volume/proxy.h"
 
 namespace warpscope {
 namespace {
@@ -160,7 +161,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
       areVisibleAlone_ = isVisibleEnough;
     }
     if (room_.isForAll && needsLightCopy(settings) && !hasLightCopy_) {
-      const ProxyPtr copy = proxyFor(kLightCopyEdge, stop);
+      const auto copy = std::make_shared<const Proxy>(makeProxy(volume, marched()->transferFunction, kLightCopyEdge, CopyFilter::means, stop));
       pieces_->setLightCopy(copy);
       hostPieces_->setLightCopy(copy);
       hasLightCopy_ = true;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "render/core/parallel.h"
 
@@ -40,27 +41,51 @@ double overlapOf(const Hats& a, uint32_t cellA, const Hats& b, uint32_t cellB) {
   return sum;
 }
 
+/// A cell that has what lies from `begin` to `end`, in lengths of fine ones, and the middles there.
+CellMean cellBetween(double begin, double end, uint32_t fine) {
+  CellMean mean;
+  mean.ownFirst = static_cast<uint32_t>(std::ceil(begin - 0.5));
+  mean.ownEnd = std::min(static_cast<uint32_t>(end + 0.5), fine);
+  return mean;
+}
+
+void addPart(CellMean& mean, uint32_t cell, double weight) {
+  if (!(weight > 0.0)) return;  // before the first one or behind the last
+  if (mean.weights.empty()) mean.first = cell;
+  mean.weights.push_back(weight);
+}
+
+/// Of what was added; their sum as it was.
+double scaleToOne(std::vector<double>& weights) {
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& weight : weights) weight /= sum;
+  return sum;
+}
+
 }  // namespace
 
-LinearFit::LinearFit(uint32_t fine, uint32_t coarse) : means_(coarse), toNext_(coarse), toLast_(coarse) {
+std::vector<CellMean> boxMeans(uint32_t fine, uint32_t coarse) {
+  std::vector<CellMean> means;
+  const double length = static_cast<double>(fine) / coarse;
+  for (uint32_t cell = 0; cell < coarse; ++cell) {
+    const double begin = cell * length, end = (cell + 1) * length;
+    CellMean& mean = means.emplace_back(cellBetween(begin, end, fine));
+    for (auto i = static_cast<uint32_t>(begin); i < fine && i < end; ++i) addPart(mean, i, std::min(end, i + 1.0) - std::max(begin, static_cast<double>(i)));
+    scaleToOne(mean.weights);
+  }
+  return means;
+}
+
+LinearFit::LinearFit(uint32_t fine, uint32_t coarse) : toNext_(coarse), toLast_(coarse) {
   const Hats many{fine, 1.0}, few{coarse, static_cast<double>(fine) / coarse};
   for (uint32_t cell = 0; cell < coarse; ++cell) {
-    Mean& mean = means_[cell];
-    double sum = 0.0;
+    CellMean& mean = means_.emplace_back(cellBetween(cell * few.length, (cell + 1) * few.length, fine));
     const auto end = std::min(static_cast<uint32_t>(few.end(cell) + 1.5), fine);  // behind those whose hats reach it
-    for (auto i = static_cast<uint32_t>(std::max(few.begin(cell) - 1.0, 0.0)); i < end; ++i) {
-      const double overlap = overlapOf(few, cell, many, i);
-      if (!(overlap > 0.0)) continue;  // before the first one or behind the last
-      if (mean.weights.empty()) mean.first = i;
-      mean.weights.push_back(overlap);
-      sum += overlap;
-    }
-    for (double& weight : mean.weights) weight /= sum;
-    mean.ownFirst = static_cast<uint32_t>(std::ceil(cell * few.length - 0.5));
-    mean.ownEnd = std::min(static_cast<uint32_t>((cell + 1) * few.length + 0.5), fine);
+    for (auto i = static_cast<uint32_t>(std::max(few.begin(cell) - 1.0, 0.0)); i < end; ++i) addPart(mean, i, overlapOf(few, cell, many, i));
     // As the means of the fine ones are: all that a cell has a part in adds up to its hat's integral.
-    if (cell > 0) toLast_[cell] = overlapOf(few, cell, few, cell - 1) / sum;
-    if (cell + 1 < coarse) toNext_[cell] = overlapOf(few, cell, few, cell + 1) / sum;
+    const double integral = scaleToOne(mean.weights);
+    if (cell > 0) toLast_[cell] = overlapOf(few, cell, few, cell - 1) / integral;
+    if (cell + 1 < coarse) toNext_[cell] = overlapOf(few, cell, few, cell + 1) / integral;
   }
 }
 
@@ -82,11 +107,11 @@ void LinearFit::solve(std::span<double> numbers) const {
     if (above[i] > 0.0) numbers[i] -= above[i] * numbers[i + 1];
 }
 
-void GridFit::solve(std::span<float> numbers) const {
-  const size_t columns = x.size(), rows = y.size(), slices = z.size();
+void solveGrid(std::span<float> numbers, const LinearFit& x, const LinearFit& y, const LinearFit& z) {
+  const size_t columns = x.means().size(), rows = y.means().size(), slices = z.means().size();
   const auto alongAxis = [&](const LinearFit& fit, size_t lines, size_t step, const auto& beginOf) {
     parallelForRanges(lines, 64, [&](size_t first, size_t end) {
-      std::vector<double> line(fit.size());
+      std::vector<double> line(fit.means().size());
       for (size_t i = first; i < end; ++i) {
         float* const begin = &numbers[beginOf(i)];
         for (size_t k = 0; k < line.size(); ++k) line[k] = static_cast<double>(begin[k * step]);

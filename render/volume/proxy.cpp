@@ -31,27 +31,32 @@ struct Sum {
   bool hasOwn = false;  ///< a value whose place is within it
 };
 
+/// Means along each axis.
+struct GridMeans {
+  std::vector<CellMean> x, y, z;
+};
+
 /// Means of a volume's voxels for its copy, rows of them. `kHasMissing`: voxels that are not finite are left out.
 template <class Voxel, bool kHasMissing>
 class RowSums {
  public:
-  RowSums(const Volume& volume, const GridFit& fit, double factor)
-      : in_(volume.voxelsAs<Voxel>()), dims_(volume.dims()), fit_(fit), factor_(factor), values_(dims_.x), weights_(kHasMissing ? dims_.x : 0), own_(kHasMissing ? dims_.x : 0) {}
+  RowSums(const Volume& volume, const GridMeans& means, double factor)
+      : in_(volume.voxelsAs<Voxel>()), dims_(volume.dims()), means_(means), factor_(factor), values_(dims_.x), weights_(kHasMissing ? dims_.x : 0), own_(kHasMissing ? dims_.x : 0) {}
 
   /// What slices [first, end) of the volume give to a row of the copy's.
   void add(size_t row, uint32_t first, uint32_t end, std::span<Sum> sums) {
-    const LinearFit::Mean& ofY = fit_.y.mean(row % fit_.y.size());
-    const LinearFit::Mean& ofZ = fit_.z.mean(row / fit_.y.size());
+    const CellMean& ofY = means_.y[row % means_.y.size()];
+    const CellMean& ofZ = means_.z[row / means_.y.size()];
     for (uint32_t z = std::max(first, ofZ.first); z < std::min(end, ofZ.end()); ++z) {
       addLines(ofY, z, ofZ.isOwn(z));
       const double ofSlice = ofZ.weights[z - ofZ.first];
-      for (size_t x = 0; x < sums.size(); ++x) addTo(sums[x], fit_.x.mean(x), ofSlice);
+      for (size_t x = 0; x < sums.size(); ++x) addTo(sums[x], means_.x[x], ofSlice);
     }
   }
 
  private:
   /// The lines of a slice for a row, each with its weight.
-  void addLines(const LinearFit::Mean& ofY, uint32_t z, bool isOwnSlice) {
+  void addLines(const CellMean& ofY, uint32_t z, bool isOwnSlice) {
     std::ranges::fill(values_, 0.0);
     std::ranges::fill(weights_, 0.0);
     std::ranges::fill(own_, false);
@@ -72,7 +77,7 @@ class RowSums {
       }
     }
   }
-  void addTo(Sum& sum, const LinearFit::Mean& ofX, double ofSlice) const {
+  void addTo(Sum& sum, const CellMean& ofX, double ofSlice) const {
     double values = 0.0, weights = 0.0;
     for (uint32_t x = ofX.first; x < ofX.end(); ++x) {
       const double weight = ofX.weights[x - ofX.first];
@@ -88,7 +93,7 @@ class RowSums {
 
   const Voxel* in_;
   glm::uvec3 dims_;
-  const GridFit& fit_;
+  const GridMeans& means_;
   double factor_;
   std::vector<double> values_, weights_;
   std::vector<uint8_t> own_;
@@ -96,7 +101,7 @@ class RowSums {
 
 }  // namespace
 
-Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, const std::stop_token& stop) {
+Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, CopyFilter filter, const std::stop_token& stop) {
   const VolumeGeometry& fine = volume.geometry();
   VolumeGeometry geometry = fine;
   geometry.dims = dimsFor(fine, longest);
@@ -114,21 +119,38 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const double halfRange = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
   proxy.scale.perCode = halfRange > 0.0 ? std::max(2.0 * (halfRange / codes), 2.0 * std::numeric_limits<double>::denorm_min()) : 1.0;
 
-  const GridFit fit{{fine.dims.x, geometry.dims.x}, {fine.dims.y, geometry.dims.y}, {fine.dims.z, geometry.dims.z}};
+  std::vector<LinearFit> fits;
+  GridMeans means;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<CellMean>& along = axis == 0 ? means.x : axis == 1 ? means.y : means.z;
+    if (filter == CopyFilter::nearest)
+      along = fits.emplace_back(fine.dims[axis], geometry.dims[axis]).means();
+    else
+      along = boxMeans(fine.dims[axis], geometry.dims[axis]);
+  }
   const size_t columns = geometry.dims.x, rowsOfSlice = geometry.dims.y;
   size_t firstOfShare, endOfShare;
   std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), geometry.dims.z * rowsOfSlice);
   if (volume.ranks() && firstOfShare < endOfShare)
-    volume.provide({{0, fit.z.mean(firstOfShare / rowsOfSlice).first}, {fine.dims.y, fit.z.mean((endOfShare - 1) / rowsOfSlice).end()}}, stop);
-  std::vector<float> unrounded((endOfShare - firstOfShare) * columns);  // codes; NaN: missing
+    volume.provide({{0, means.z[firstOfShare / rowsOfSlice].first}, {fine.dims.y, means.z[(endOfShare - 1) / rowsOfSlice].end()}}, stop);
+  auto voxels = std::make_shared<std::vector<uint8_t>>((endOfShare - firstOfShare) * columns);
+  std::vector<float> unrounded(filter == CopyFilter::nearest ? voxels->size() : 0);  // codes; NaN: missing
   const ProxyScale scale = proxy.scale;
   // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.
   const double smaller = std::max(std::abs(statistics.lowest), std::abs(statistics.highest)) > 0x1p900 ? 0x1p-64 : 1.0;
+  const auto rounded = [&](float code) {
+    return std::isnan(code) ? uint8_t{0} : static_cast<uint8_t>(std::lround(std::clamp(code, scale.hasMissing ? 1.0f : 0.0f, 255.0f)));
+  };
   const auto finish = [&](size_t row, std::span<const Sum> sums) {
     for (size_t x = 0; x < columns; ++x) {
       const auto& [values, weights, hasOwn] = sums[x];
       const double mean = scale.hasMissing ? values / weights : values;
-      unrounded[(row - firstOfShare) * columns + x] = scale.hasMissing && !hasOwn ? NAN : static_cast<float>(scale.codeOf(mean / smaller));
+      const auto code = static_cast<float>(scale.hasMissing && !hasOwn ? NAN : scale.codeOf(mean / smaller));
+      const size_t at = (row - firstOfShare) * columns + x;
+      if (filter == CopyFilter::nearest)
+        unrounded[at] = code;
+      else
+        (*voxels)[at] = rounded(code);
     }
   };
   const auto sumUp = [&]<class Voxel, bool kHasMissing>() {
@@ -136,7 +158,7 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     const uint32_t kept = slicesKept(volume);
     if (kept == fine.dims.z) {
       parallelForRanges(endOfShare - firstOfShare, 1, stop, [&](size_t begin, size_t end) {
-        Rows rows(volume, fit, smaller);
+        Rows rows(volume, means, smaller);
         std::vector<Sum> sums(columns);
         for (size_t row = firstOfShare + begin; row < firstOfShare + end; ++row) {
           keepWithinMemoryLimit();
@@ -151,19 +173,19 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     std::deque<std::vector<Sum>> open;
     uint32_t firstOpen = 0;
     for (uint32_t at = 0; at < fine.dims.z;) {
-      while (firstOpen + open.size() < geometry.dims.z && fit.z.mean(firstOpen + open.size()).first <= at) open.emplace_back(rowsOfSlice * columns);
+      while (firstOpen + open.size() < geometry.dims.z && means.z[firstOpen + open.size()].first <= at) open.emplace_back(rowsOfSlice * columns);
       uint32_t next = at + std::min(kept, fine.dims.z - at);
-      if (firstOpen + open.size() < geometry.dims.z) next = std::min(next, fit.z.mean(firstOpen + open.size()).first);
+      if (firstOpen + open.size() < geometry.dims.z) next = std::min(next, means.z[firstOpen + open.size()].first);
       const auto held = volume.hold({{0, at}, {fine.dims.y, next}}, stop);
       parallelForRanges(open.size() * rowsOfSlice, 1, stop, [&](size_t begin, size_t end) {
-        Rows rows(volume, fit, smaller);
+        Rows rows(volume, means, smaller);
         for (size_t i = begin; i < end; ++i) {
           keepWithinMemoryLimit();
           rows.add(firstOpen * rowsOfSlice + i, at, next, std::span(open[i / rowsOfSlice]).subspan(i % rowsOfSlice * columns, columns));
         }
       });
       at = next;
-      for (; !open.empty() && fit.z.mean(firstOpen).end() <= at; ++firstOpen, open.pop_front())
+      for (; !open.empty() && means.z[firstOpen].end() <= at; ++firstOpen, open.pop_front())
         for (size_t y = 0; y < rowsOfSlice; ++y) finish(firstOpen * rowsOfSlice + y, std::span(open.front()).subspan(y * columns, columns));
     }
   };
@@ -173,11 +195,14 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
       if (scale.hasMissing) return sumUp.template operator()<Voxel, true>();
     sumUp.template operator()<Voxel, false>();
   });
-  if (volume.ranks()) volume.ranks()->allGather(unrounded);
-  fit.solve(unrounded);
-  auto voxels = std::make_shared<std::vector<uint8_t>>(unrounded.size());
-  for (size_t i = 0; i < unrounded.size(); ++i)
-    (*voxels)[i] = std::isnan(unrounded[i]) ? uint8_t{0} : static_cast<uint8_t>(std::lround(std::clamp(unrounded[i], scale.hasMissing ? 1.0f : 0.0f, 255.0f)));
+  if (filter == CopyFilter::nearest) {
+    if (volume.ranks()) volume.ranks()->allGather(unrounded);
+    solveGrid(unrounded, fits[0], fits[1], fits[2]);
+    voxels->resize(unrounded.size());
+    std::ranges::transform(unrounded, voxels->begin(), rounded);
+  } else if (volume.ranks()) {
+    volume.ranks()->allGather(*voxels);
+  }
   const void* const data = voxels->data();
   proxy.volume = std::make_shared<const Volume>(volume.name(), VoxelType::uint8, geometry, std::move(voxels), data, stop);
   return proxy;

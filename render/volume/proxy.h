@@ -1,6 +1,5 @@
 // A coarse copy of a volume for those who have none: filtered, 8 bits a voxel, few enough to be sent with a picture.
-// A box filter, each voxel weighted by what of it lies in the copy's (cf. Williams 1983, "Pyramidal parametrics"). It has the volume's bounds and unit of
-// volume space, so that rays, lights and cuts of the one are those of the other.
+// It has the volume's bounds and unit of volume space, so that rays, lights and cuts of the one are those of the other.
 #pragma once
 
 #include "render/core/transfer_function.h"
@@ -29,9 +28,15 @@ struct Proxy {
 };
 using ProxyPtr = std::shared_ptr<const Proxy>;
 
+/// What a copy's voxels hold.
+enum class CopyFilter {
+  nearest,  ///< what is nearest to the volume once it is interpolated (linear_fit.h): for pictures. Means, interpolated, are blurred twice, and thin things are lost in them
+  means,    ///< means of what lies in each (cf. Williams 1983, "Pyramidal parametrics"): for light, where each voxel stands for what it has taken
+};
+
 /// The copy has `longest` voxels along the volume's longest edge and as nearly cubic ones as that allows, along no axis more than the volume has. Voxels that
-/// are not finite are left out; where there is no other, the copy has none. Throws OperationCancelled if `stop` is set.
-Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, const std::stop_token& stop = {});
+/// are not finite are left out; where there is no other whose place is in one of the copy's, that has none. Throws OperationCancelled if `stop` is set.
+Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, CopyFilter filter, const std::stop_token& stop = {});
 
 /// Its function as one of codes.
 TransferFunction functionOfCodes(const Proxy& proxy);
