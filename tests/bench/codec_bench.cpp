@@ -1,7 +1,7 @@
 // Bytes a sample, and times of encoding and decoding, for each format, heuristic and colour coding, and for several
 // samples a ray. Run by hand;
 // `--benchmark_filter` chooses.
-// Frames: the built-in shells, marschner-lobb (nearly every pixel has a sample), and the engine where WARPSCOPE_DATA names its folder. What comes back is checked before
+// Frames: the built-in volumes (in marschner-lobb nearly every pixel has a sample), and the engine where WARPSCOPE_DATA names its folder. What comes back is checked before
 // anything is timed.
 #include <benchmark/benchmark.h>
 
@@ -190,7 +190,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   return warpscope::benchMain("codec_bench", [] {
-    for (const char* builtIn : {"shells", "marschner-lobb"}) warpscope::add(builtIn, builtIn);
+    for (const char* builtIn : {"shells", "marschner-lobb", "vessels", "block"}) warpscope::add(builtIn, builtIn);
     if (const char* folder = std::getenv("WARPSCOPE_DATA")) {
       const std::filesystem::path engine = std::filesystem::path(folder) / "engine_256x256x128_uint8.raw";
       if (std::filesystem::exists(engine)) warpscope::add("engine", engine.string());
