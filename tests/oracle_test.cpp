@@ -89,7 +89,7 @@ TEST_F(OracleTest, StoppedOrWithoutSegmentsItKnowsNothing) {
 
 TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
   const SampleFramePtr frame = stage_.frame(stage_.camera(128, 128), march_);
-  const auto whole = std::make_shared<const Proxy>(makeProxy(*stage_.scene().volume, stage_.scene().transferFunction, 40, CopyFilter::nearest));
+  const auto whole = std::make_shared<const Proxy>(makeProxy(*stage_.scene().volume, stage_.scene().transferFunction, 40, CopyFilter::leastSquares));
   double before = 1e9;
   for (const double turnDeg : {0.0, 30.0, 180.0}) {
     const Camera camera = stage_.camera(128, 128, turnDeg);
@@ -107,7 +107,7 @@ TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
   for (TransferPoint& point : thin.transferFunction.points) point.alpha *= 0.02f;
   const Stage stage(thin);
   const SampleFramePtr seenThrough = stage.frame(stage.camera(128, 128), march_);
-  const auto all = std::make_shared<const Proxy>(makeProxy(*thin.volume, thin.transferFunction, 40, CopyFilter::nearest));
+  const auto all = std::make_shared<const Proxy>(makeProxy(*thin.volume, thin.transferFunction, 40, CopyFilter::leastSquares));
   Image<glm::vec4> reference;
   stage.marcher().render(stage.camera(128, 128, 60.0), march_.render, reference);
   EXPECT_GT(psnrSrgb(Oracle(seenThrough, all, glm::vec3(0.0f)).perfectlyWarped(stage.camera(128, 128, 60.0), {}).color, reference, glm::vec3(0.0f)), 40.0);

@@ -2,11 +2,16 @@
 // Mirrors render/volume/proxy.h and render/volume/linear_fit.h.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "marcher_cases.h"
+#include "render/base/error.h"
 #include "render/metrics/psnr.h"
 #include "render/volume/linear_fit.h"
 #include "render/volume/proxy.h"
@@ -73,16 +78,44 @@ TEST(LinearFit, KeepsSumsAndWhatNeedsNoFit) {
   for (const double number : constant) EXPECT_NEAR(number, 7.0, 1e-12);
 }
 
-TEST(LinearFit, WhatIsMissingChangesNothingBesideIt) {
+/// Each run between missing ones is solved as if it went on as it ends: against all equations of it, by substitution.
+TEST(LinearFit, BesideWhatIsMissingItIsAsIfThatHadTheSame) {
   const LinearFit fit(40, 10);
-  std::vector<double> numbers{2.0, 2.0, NAN, 5.0, 5.0, 5.0, NAN, NAN, 1.0, NAN};
+  const std::vector<double> means{2.0, 7.0, NAN, 5.0, -3.0, 4.0, NAN, NAN, 1.0, NAN};
+  std::vector<double> numbers = means;
   fit.solve(numbers);
-  const std::vector<double> expected{2.0, 2.0, NAN, 5.0, 5.0, 5.0, NAN, NAN, 1.0, NAN};
-  for (size_t i = 0; i < expected.size(); ++i)
-    if (std::isnan(expected[i]))
+  // Within a row of equal cells a mean is two thirds its own number and a sixth each of its neighbours'; at the ends five sixths.
+  for (size_t i = 0; i < means.size(); ++i) {
+    if (std::isnan(means[i])) {
       EXPECT_TRUE(std::isnan(numbers[i])) << i;
-    else
-      EXPECT_NEAR(numbers[i], expected[i], 1e-12) << i;
+      continue;
+    }
+    const auto beside = [&](size_t other) { return other < means.size() && !std::isnan(means[other]) ? numbers[other] : numbers[i]; };
+    EXPECT_NEAR((4.0 * numbers[i] + beside(i - 1) + beside(i + 1)) / 6.0, means[i], 1e-12) << i;
+  }
+}
+
+/// Of what is a product of lines along three axes it is the product of their fits.
+TEST(LinearFit, AGridIsFittedAlongEachAxis) {
+  const std::vector<std::pair<uint32_t, uint32_t>> sizes{{17, 6}, {12, 5}, {9, 4}};
+  std::vector<LinearFit> axes;
+  std::vector<std::vector<double>> means(3), fits(3);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto& [fine, coarse] = sizes[axis];
+    const std::vector<double> line = unitNumbers(fine, fine);
+    axes.emplace_back(fine, coarse);
+    for (const CellMean& mean : axes[axis].means()) means[axis].push_back(std::inner_product(mean.weights.begin(), mean.weights.end(), line.begin() + mean.first, 0.0));
+    fits[axis] = fitted(line, coarse);
+  }
+  std::vector<float> numbers;
+  for (const double z : means[2])
+    for (const double y : means[1])
+      for (const double x : means[0]) numbers.push_back(static_cast<float>(x * y * z));
+  solveGrid(numbers, axes, {});
+  size_t at = 0;
+  for (const double z : fits[2])
+    for (const double y : fits[1])
+      for (const double x : fits[0]) EXPECT_NEAR(static_cast<double>(numbers[at++]), x * y * z, 1e-5);
 }
 
 TEST(LinearFit, CellsOwnWhatHasItsMiddleInThem) {
@@ -93,7 +126,7 @@ TEST(LinearFit, CellsOwnWhatHasItsMiddleInThem) {
 
 TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
   const VolumePtr volume = makeTestVolume(VoxelType::float64, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 7e-323; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8, CopyFilter::nearest);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8, CopyFilter::leastSquares);
   EXPECT_GT(proxy.scale.perCode, 0.0);
   for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) {
     const double value = proxy.scale.lowest + proxy.volume->voxelsAs<uint8_t>()[i] * proxy.scale.perCode;
@@ -104,7 +137,7 @@ TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
 /// What goes straight from voxel to voxel does so from one of the copy's to the next, but near the ends, where neither goes on.
 TEST(Proxy, OfARampIsARamp) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint16, {48, 36, 32}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::nearest);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::leastSquares);
   ASSERT_EQ(proxy.volume->dims(), glm::uvec3(24, 18, 16));
   EXPECT_EQ(proxy.volume->bounds().upper, volume->bounds().upper);
   for (uint32_t z = 6; z < 10; ++z)
@@ -122,7 +155,7 @@ TEST(Proxy, IsNearerThanMeans) {
     const double beyond = glm::length(glm::dvec3(p) - 20.0) - 12.0;
     return 200.0 * std::exp(-0.5 * beyond * beyond);
   });
-  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::nearest);
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 24, CopyFilter::leastSquares);
   const glm::uvec3 dims = proxy.volume->dims();
   ASSERT_EQ(dims, kBlobDims / 2u);
   const auto fine = [&](const glm::uvec3& p) { return static_cast<double>(volume->voxelsAs<uint8_t>()[p.x + kBlobDims.x * (p.y + kBlobDims.y * p.z)]); };
@@ -180,20 +213,43 @@ TEST(Proxy, OfUnevenSizesKeepsTheSumOfValues) {
 TEST(Proxy, OfValuesFartherApartThanTheLargestNumber) {
   const glm::uvec3 dims(8, 8, 8);
   for (const double most : {1.7e308, 1e308, 8e307}) {
-    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), blobColors(1.0f), 8, CopyFilter::nearest);
+    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), blobColors(1.0f), 8, CopyFilter::leastSquares);
     EXPECT_TRUE(std::isfinite(copy.scale.perCode) && copy.scale.perCode > 0.0);
     EXPECT_NEAR(copy.scale.codeOf(0.0), 127.5, 1e-9);
     const uint8_t* const voxels = copy.volume->voxelsAs<uint8_t>();
     for (size_t i = 0; i < copy.volume->voxelCount(); ++i) ASSERT_EQ(voxels[i], i % 8 < 4 ? 0 : 255);
-    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), blobColors(1.0f), 2, CopyFilter::nearest);
+    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), blobColors(1.0f), 2, CopyFilter::leastSquares);
     const uint8_t* const ofBoth = coarse.volume->voxelsAs<uint8_t>();
-    for (size_t i = 0; i < coarse.volume->voxelCount(); i += 2) ASSERT_NEAR(ofBoth[i] + ofBoth[i + 1], 255, 1) << "one is as far below the middle as the other is above";
+    std::vector<double> line(8);
+    for (size_t i = 0; i < line.size(); ++i) line[i] = i % 2 == 0 ? 0.0 : 255.0;
+    const std::vector<double> expected = fitted(line, 2);
+    for (size_t i = 0; i < coarse.volume->voxelCount(); ++i) ASSERT_NEAR(ofBoth[i], expected[i % 2], 0.51);
   }
+}
+
+TEST(Proxy, OfOneValueAloneIsThatValue) {
+  for (const double value : {0.0, 1e300, -std::numeric_limits<double>::max()})
+    for (const bool isMissing : {false, true})
+      for (const CopyFilter filter : {CopyFilter::leastSquares, CopyFilter::means}) {
+        const VolumePtr volume = makeTestVolume(VoxelType::float64, {9, 9, 9}, [&](const glm::ivec3& p) { return isMissing && p == glm::ivec3(4) ? NAN : value; });
+        const Proxy copy = makeProxy(*volume, everywhere(0.5f), 4, filter);
+        for (size_t i = 0; i < copy.volume->voxelCount(); ++i) ASSERT_EQ(copy.volume->voxelsAs<uint8_t>()[i], isMissing ? 1 : 0) << value;
+      }
+}
+
+TEST(Proxy, IsCancelled) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kBlobDims, blobs(kBlobDims, 12));
+  std::stop_source stop;
+  stop.request_stop();
+  for (const CopyFilter filter : {CopyFilter::leastSquares, CopyFilter::means}) EXPECT_THROW(makeProxy(*volume, everywhere(0.5f), 16, filter, stop.get_token()), OperationCancelled);
+  std::vector<float> numbers(8);
+  const std::vector<LinearFit> axes(3, LinearFit(4, 2));
+  EXPECT_THROW(solveGrid(numbers, axes, stop.get_token()), OperationCancelled);
 }
 
 TEST(Proxy, LeavesOutWhatIsMissing) {
   const VolumePtr volume = makeTestVolume(VoxelType::float32, {4, 4, 4}, [](const glm::ivec3& p) { return p.x < 2 ? std::nan("") : p.y < 2 ? 10.0 : 20.0; });
-  for (const CopyFilter filter : {CopyFilter::nearest, CopyFilter::means}) {
+  for (const CopyFilter filter : {CopyFilter::leastSquares, CopyFilter::means}) {
     const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 2, filter);
     ASSERT_TRUE(proxy.scale.hasMissing);
     EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[0], 0);
@@ -208,7 +264,7 @@ TEST(Proxy, LeavesOutWhatIsMissing) {
 /// Filtered as finely as the volume is, it is the volume.
 TEST(Proxy, OfAllVoxelsGivesTheVolumesPicture) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, kBlobDims, blobs(kBlobDims, 11));
-  const Proxy proxy = makeProxy(*volume, blobColors(0.5f), 48, CopyFilter::nearest);
+  const Proxy proxy = makeProxy(*volume, blobColors(0.5f), 48, CopyFilter::leastSquares);
   ASSERT_EQ(proxy.volume->dims(), kBlobDims);
   const MarcherPtr ofVolume = makeCpuMarcher(volume, blobColors(0.5f)), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
   EXPECT_GT(psnrSrgb(rendered(*ofCopy, kBlobViewer), rendered(*ofVolume, kBlobViewer), glm::vec3(0.0f)), 45.0);

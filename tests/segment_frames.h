@@ -131,10 +131,10 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
       continue;
     }
     const double depth = z - static_cast<double>(frame.quantization.nearDepth);
-    const auto set = [&](size_t i, int column, int row, double weight) {
-      pixels[i].content = content.at(std::clamp(column, 0, static_cast<int>(width) - 1),
+    const auto set = [&](size_t k, int column, int row, double weight) {
+      pixels[k].content = content.at(std::clamp(column, 0, static_cast<int>(width) - 1),
                                      std::clamp(row, 0, static_cast<int>(height) - 1), depth);
-      pixels[i].weight = pixels[i].content.isKnown ? weight : 0.0;
+      pixels[k].weight = pixels[k].content.isKnown ? weight : 0.0;
     };
     const double shift = isLinear ? 0.5 : 0.0;
     const glm::ivec2 now(std::floor(x - shift), std::floor(y - shift));
@@ -142,9 +142,9 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
       for (Between& pixel : pixels) pixel = {};
     cell = now;
     const double a = isLinear ? x - shift - now.x : 0.0, b = isLinear ? y - shift - now.y : 0.0;
-    for (size_t i = 0; i < 4; ++i) {
-      const bool isRight = i % 2 == 1, isBelow = i >= 2;
-      set(i, now.x + isRight, now.y + isBelow, (isRight ? a : 1 - a) * (isBelow ? b : 1 - b));
+    for (size_t k = 0; k < 4; ++k) {
+      const bool isRight = k % 2 == 1, isBelow = k >= 2;
+      set(k, now.x + isRight, now.y + isBelow, (isRight ? a : 1 - a) * (isBelow ? b : 1 - b));
     }
     double known = 0.0, likely = 0.0, stopped = 0.0;
     glm::dvec3 light(0.0);
@@ -157,6 +157,7 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
     }
     if (known < static_cast<double>(kLeastKnown)) {
       expected.unknown += dt;
+      for (Between& pixel : pixels) pixel.left = 1.0;
       continue;
     }
     for (Between& pixel : pixels) pixel.left *= std::exp(-pixel.content.extinction * dt);

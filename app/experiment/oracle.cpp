@@ -47,7 +47,7 @@ ProxyPtr wholeCopyOf(const Volume& volume, const TransferFunction& function, con
   // Voxels as short as the shortest along all axes; no axis has more than the volume.
   const VolumeGeometry& geometry = volume.geometry();
   const glm::dvec3 sides = glm::dvec3(geometry.dims) * geometry.spacing / geometry.unit();
-  return std::make_shared<const Proxy>(makeProxy(volume, function, static_cast<int>(std::ceil(std::max({sides.x, sides.y, sides.z}))), CopyFilter::nearest, stop));
+  return std::make_shared<const Proxy>(makeProxy(volume, function, static_cast<int>(std::ceil(std::max({sides.x, sides.y, sides.z}))), CopyFilter::leastSquares, stop));
 }
 
 Oracle::Oracle(SampleFramePtr frame, ProxyPtr whole, const glm::vec3& background)

@@ -144,7 +144,7 @@ std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSetting
 ProxyPtr MarchedVolume::proxyFor(int longest, const std::stop_token& stop) const {
   const std::scoped_lock lock(proxyMutex_);
   if (!proxy_ || proxyLongest_ != longest) {
-    proxy_ = std::make_shared<const Proxy>(makeProxy(*volume, transferFunction, longest, CopyFilter::nearest, stop));
+    proxy_ = std::make_shared<const Proxy>(makeProxy(*volume, transferFunction, longest, CopyFilter::leastSquares, stop));
     proxyLongest_ = longest;
   }
   return proxy_;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "render/core/parallel.h"
 
@@ -90,7 +91,7 @@ LinearFit::LinearFit(uint32_t fine, uint32_t coarse) : toNext_(coarse), toLast_(
 }
 
 void LinearFit::solve(std::span<double> numbers) const {
-  // Thomas's elimination; diagonals weigh more than what is beside them.
+  // Elimination from one end, without pivots (Thomas 1949): what is beside a diagonal weighs at most half of it, so that no divisor comes near 0.
   std::vector<double> above(numbers.size());
   const auto isLinked = [&](size_t cell, size_t other) { return other < numbers.size() && !std::isnan(numbers[cell]) && !std::isnan(numbers[other]); };
   for (size_t i = 0; i < numbers.size(); ++i) {
@@ -107,10 +108,10 @@ void LinearFit::solve(std::span<double> numbers) const {
     if (above[i] > 0.0) numbers[i] -= above[i] * numbers[i + 1];
 }
 
-void solveGrid(std::span<float> numbers, const LinearFit& x, const LinearFit& y, const LinearFit& z) {
-  const size_t columns = x.means().size(), rows = y.means().size(), slices = z.means().size();
+void solveGrid(std::span<float> numbers, std::span<const LinearFit> axes, const std::stop_token& stop) {
+  const size_t columns = axes[0].means().size(), rows = axes[1].means().size(), slices = axes[2].means().size();
   const auto alongAxis = [&](const LinearFit& fit, size_t lines, size_t step, const auto& beginOf) {
-    parallelForRanges(lines, 64, [&](size_t first, size_t end) {
+    parallelForRanges(lines, 64, stop, [&](size_t first, size_t end) {
       std::vector<double> line(fit.means().size());
       for (size_t i = first; i < end; ++i) {
         float* const begin = &numbers[beginOf(i)];
@@ -120,9 +121,9 @@ void solveGrid(std::span<float> numbers, const LinearFit& x, const LinearFit& y,
       }
     });
   };
-  alongAxis(x, rows * slices, 1, [&](size_t i) { return i * columns; });
-  alongAxis(y, columns * slices, columns, [&](size_t i) { return i / columns * columns * rows + i % columns; });
-  alongAxis(z, columns * rows, columns * rows, [](size_t i) { return i; });
+  alongAxis(axes[0], rows * slices, 1, [&](size_t i) { return i * columns; });
+  alongAxis(axes[1], columns * slices, columns, [&](size_t i) { return i / columns * columns * rows + i % columns; });
+  alongAxis(axes[2], columns * rows, columns * rows, [](size_t i) { return i; });
 }
 
 }  // namespace warpscope

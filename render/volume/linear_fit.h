@@ -1,9 +1,12 @@
 // Fewer numbers along an axis that stand for many: those whose linear interpolation is nearest, by the integral of the squared difference, to that of the many.
-// The L2 projection onto linear splines (Unser, Aldroubi, Eden 1993, "The L2 polynomial spline pyramid"). Of several axes, one after the other.
+// The projection onto linear splines by least squares, as images are reduced with the least loss (Unser, Aldroubi, Eden 1995, "Enlargement or reduction of digital images with minimum loss of
+// information"). Deviations: any ratio; to the ends numbers stay as they are, so that sums are kept; a system is solved where there they filter; cells may be missing, beside which it is near, but not
+// nearest: what is missing is taken to be as what is beside it. Of several axes, one after the other.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace warpscope {
@@ -37,7 +40,7 @@ class LinearFit {
   std::vector<double> toNext_, toLast_;  // what the mean of a cell has of the next one's number, and of the one's before; the rest is its own
 };
 
-/// Fits means of a grid of cells, x fastest, along each axis, in parallel.
-void solveGrid(std::span<float> numbers, const LinearFit& x, const LinearFit& y, const LinearFit& z);
+/// Fits means of a grid of cells, x fastest, along each of three axes, in parallel. Throws OperationCancelled if `stop` is set.
+void solveGrid(std::span<float> numbers, std::span<const LinearFit> axes, const std::stop_token& stop);
 
 }  // namespace warpscope

@@ -30,8 +30,8 @@ using ProxyPtr = std::shared_ptr<const Proxy>;
 
 /// What a copy's voxels hold.
 enum class CopyFilter {
-  nearest,  ///< what is nearest to the volume once it is interpolated (linear_fit.h): for pictures. Means, interpolated, are blurred twice, and thin things are lost in them
-  means,    ///< means of what lies in each (cf. Williams 1983, "Pyramidal parametrics"): for light, where each voxel stands for what it has taken
+  leastSquares,  ///< what is nearest to the volume once it is interpolated (linear_fit.h): for pictures. Means, interpolated, are blurred twice, and thin things are lost in them
+  means,         ///< means of what lies in each (cf. Williams 1983, "Pyramidal parametrics"): for light, where each voxel stands for what it has taken
 };
 
 /// The copy has `longest` voxels along the volume's longest edge and as nearly cubic ones as that allows, along no axis more than the volume has. Voxels that

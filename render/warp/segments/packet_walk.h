@@ -338,6 +338,7 @@ class PacketWalk {
           piecing = piecing & !interrupted;
         }
       }
+      for (F& one : left) one = selected(isUnknown, F(1.0f), one);
       if (const M passing = piecing & !isUnknown; xsimd::any(passing)) pass(passing, weights, spaceBy_ * share, divisorAt(s_) * divisorAt(to), left);
       s_ = selected(piecing, to, s_);
       const M stopped = piecing & (through_ < F(stopBelow_));

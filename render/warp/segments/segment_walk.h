@@ -4,8 +4,8 @@
 //
 // Blended is light, not extinction: a ray between four pixels is taken to be one of theirs, each as likely as it has weight, and what is seen is the mean. So an outline between a pixel
 // that is in something dense and one that is not is as wide on the one side as on the other, where means of extinction move it outwards; and a ray that keeps its place between the four sees
-// their colours interpolated. As it goes on within a cell, of those that would have been stopped by now less is left, and each weighs by that (Bayes). That is right as far as a ray keeps its place
-// between pixels, which it does at small angles; at others a cell is short, what is in it is thin, and both are the same. What it is worth: tests/bench.
+// their colours interpolated. As it goes on within a cell, of those that would have been stopped by now less is left, and each weighs by that (Bayes), until the cell or what is known ends. That is
+// right as far as a ray keeps its place between pixels, which it does at small angles; at others it is an approximation that measures better than blended extinction (tests/bench).
 #pragma once
 
 #include "render/core/opacity.h"
@@ -58,7 +58,7 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
   return state;
 }
 
-/// Of light, on the way along what a pixel has, that is left at least: weights have a sum.
+/// Least transmittance by which a pixel is weighed, so that the sum of weights is more than 0: where all four have so little nothing is seen any more.
 inline constexpr float kLeastLeft = 1e-6f;
 
 /// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
@@ -174,6 +174,7 @@ template <AtUnknown kAtUnknown>
       }
       if (known < kLeastKnown) {
         if (beginsUnknown()) return false;
+        for (float& one : left) one = 1.0f;  // as of a walk that goes on behind it
       } else {
         if (endsUnknown()) return false;
         const float length = spaceBy * share / (line.divisorAt(s) * line.divisorAt(to));
