@@ -23,10 +23,6 @@ namespace {
 const glm::uvec3 kBlobDims(48, 44, 40);
 const Camera kBlobViewer = lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
 
-TransferFunction blobColors(float alpha) {
-  return {{{15.0, {0.2f, 0.4f, 1.0f}, 0.0f}, {40.0, {0.9f, 0.8f, 0.3f}, 0.3f * alpha}, {80.0, {1.0f, 0.3f, 0.1f}, alpha}}};
-}
-
 std::vector<double> unitNumbers(size_t count, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -213,12 +209,12 @@ TEST(Proxy, OfUnevenSizesKeepsTheSumOfValues) {
 TEST(Proxy, OfValuesFartherApartThanTheLargestNumber) {
   const glm::uvec3 dims(8, 8, 8);
   for (const double most : {1.7e308, 1e308, 8e307}) {
-    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), blobColors(1.0f), 8, CopyFilter::leastSquares);
+    const Proxy copy = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x < 4 ? -most : most; }), everywhere(0.5f), 8, CopyFilter::leastSquares);
     EXPECT_TRUE(std::isfinite(copy.scale.perCode) && copy.scale.perCode > 0.0);
     EXPECT_NEAR(copy.scale.codeOf(0.0), 127.5, 1e-9);
     const uint8_t* const voxels = copy.volume->voxelsAs<uint8_t>();
     for (size_t i = 0; i < copy.volume->voxelCount(); ++i) ASSERT_EQ(voxels[i], i % 8 < 4 ? 0 : 255);
-    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), blobColors(1.0f), 2, CopyFilter::leastSquares);
+    const Proxy coarse = makeProxy(*makeTestVolume(VoxelType::float64, dims, [&](const glm::ivec3& p) { return p.x % 2 == 0 ? -most : most; }), everywhere(0.5f), 2, CopyFilter::leastSquares);
     const uint8_t* const ofBoth = coarse.volume->voxelsAs<uint8_t>();
     std::vector<double> line(8);
     for (size_t i = 0; i < line.size(); ++i) line[i] = i % 2 == 0 ? 0.0 : 255.0;
@@ -263,10 +259,11 @@ TEST(Proxy, LeavesOutWhatIsMissing) {
 
 /// Filtered as finely as the volume is, it is the volume.
 TEST(Proxy, OfAllVoxelsGivesTheVolumesPicture) {
+  const TransferFunction function = band(15, 80, 0.5f);
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, kBlobDims, blobs(kBlobDims, 11));
-  const Proxy proxy = makeProxy(*volume, blobColors(0.5f), 48, CopyFilter::leastSquares);
+  const Proxy proxy = makeProxy(*volume, function, 48, CopyFilter::leastSquares);
   ASSERT_EQ(proxy.volume->dims(), kBlobDims);
-  const MarcherPtr ofVolume = makeCpuMarcher(volume, blobColors(0.5f)), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
+  const MarcherPtr ofVolume = makeCpuMarcher(volume, function), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
   EXPECT_GT(psnrSrgb(rendered(*ofCopy, kBlobViewer), rendered(*ofVolume, kBlobViewer), glm::vec3(0.0f)), 45.0);
 }
 

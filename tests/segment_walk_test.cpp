@@ -39,12 +39,17 @@ Found walk(const SampleFrame& frame, const Ray& ray, float tNear, float tFar, bo
   return found;
 }
 
+/// As if none of its rays had ended.
+SampleFrame withoutEnds(SampleFrame frame) {
+  for (RaySegmentCount& ray : frame.segments.rays) ray = {ray.count(), false};
+  return frame;
+}
+
 /// Every pixel's ray of `camera`, as techniques make them.
 /// Blended ones are met with the mean weights of each piece: they are as far off as pixels are large, half of them by less than 0.006. Of rays that did not end, since whether a pixel that has ended counts is decided for a piece as well.
 void expectLikeBruteForce(const SampleFrame& frame, const Camera& camera, const char* what, double ofNearest = 0.012, double ofLinear = 0.045, double ofLinearThrough = 0.04) {
   const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kFrameBounds).nearDepth);
-  SampleFrame open = frame;
-  for (RaySegmentCount& ray : open.segments.rays) ray = {ray.count(), false};
+  const SampleFrame open = withoutEnds(frame);
   std::vector<double> offLinear;
   for (uint32_t y = 0; y < camera.height; ++y)
     for (uint32_t x = 0; x < camera.width; ++x) {
@@ -88,9 +93,7 @@ TEST(SegmentWalk, FromInsideTheOldFrustumAndBesideItAndBehindTheOldEye) {
 }
 
 TEST(SegmentWalk, FromTheOldEyeARayBetweenPixelsShowsTheMeanOfWhatTheyShow) {
-  const SampleFrame frame = randomFrame(kServer, 31);
-  SampleFrame open = frame;
-  for (RaySegmentCount& ray : open.segments.rays) ray = {ray.count(), false};
+  const SampleFrame open = withoutEnds(randomFrame(kServer, 31));
   const FrameContent content(open);
   const PixelGrid pixels = makePixelGrid(kServer, open.quantization.nearDepth);
   // As bright as a pixel is along the ray, whose length in it is that along its own times the quotient of cosines.
@@ -171,7 +174,6 @@ TEST(SegmentWalk, InTwoPartsItIsTheSame) {
   EXPECT_GT(inTwo, 500);
 }
 
-/// What the frame's own camera sees, whatever lies beside: its segments over one another.
 TEST(SegmentWalk, WhatFillsNothingChangesNothing) {
   const Camera camera = lookingFrom({9.0f, -8.0f, 20.0f}, {0.3f, 0.1f, 0.0f}, 24, 20, 0.6f);
   const SampleFrame frame = randomFrame(kServer, 41);
@@ -192,6 +194,7 @@ TEST(SegmentWalk, WhatFillsNothingChangesNothing) {
   EXPECT_GT(filled, 100);
 }
 
+/// What the frame's own camera sees, whatever lies beside: its segments over one another.
 TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
   for (const float farAway : {30.0f, 3e3f, 3e5f}) {
     Camera server = lookingFrom(farAway * glm::normalize(glm::vec3(3.0f, 4.0f, 30.0f)), {0.5f, 0.2f, 0.0f}, 40, 30, 14.0f / farAway);

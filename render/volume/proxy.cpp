@@ -64,9 +64,6 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     volume.provide({{0, means[2][share.first / rowsOfSlice].first}, {fine.dims.y, means[2][(share.end - 1) / rowsOfSlice].end()}}, stop);
   const double firstCode = scale.hasMissing ? 1.0 : 0.0;
   const auto rounded = [&](double code) { return std::isnan(code) ? uint8_t{0} : static_cast<uint8_t>(std::lround(std::clamp(code, firstCode, 255.0))); };
-  const auto gather = [&](auto& ofShare) {
-    if (volume.ranks()) volume.ranks()->allGather(ofShare);
-  };
   // Codes of means, which lie within those that there are.
   const auto makeMeans = [&](auto& ofShare, const auto& encode) {
     ofShare.resize((share.end - share.first) * columns);
@@ -74,7 +71,7 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
       std::ranges::transform(ofRow, &ofShare[(row - share.first) * columns],
                              [&](double mean) { return encode(std::isnan(mean) ? NAN : std::clamp(scale.codeOf(mean), firstCode, 255.0)); });
     });
-    gather(ofShare);
+    if (volume.ranks()) volume.ranks()->allGather(ofShare);
   };
   auto voxels = std::make_shared<std::vector<uint8_t>>();
   if (isFitted) {
