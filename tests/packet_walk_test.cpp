@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
 #include "marcher_cases.h"
@@ -20,42 +21,49 @@ namespace {
 constexpr float kStopBelow = 0.01f;
 
 /// What is not known looks like that: of the ray and of where it is.
-void guessed(const Ray& ray, WalkedRay& walked, float from, float to) { walked.guess(glm::vec3(0.02f * (to - from), std::abs(ray.direction.x), 0.01f * from), 0.2f); }
+void guessed(const Ray& ray, WalkedRay& walked, float from, float to, bool isGuess) {
+  walked.fill({glm::dvec3(0.02f * (to - from), std::abs(ray.direction.x), 0.01f * from), isGuess ? 0.8 : 0.5}, isGuess);
+}
 
-/// How many rays were compared, and how many of them met anything, and guessed.
+/// How many rays were compared, how many of them met anything, and guessed; how many stretches were doubted.
 struct Compared {
-  size_t rays = 0, met = 0, guessedAt = 0;
+  size_t rays = 0, met = 0, guessedAt = 0, doubted = 0;
 };
 
-template <bool kIsLinear, bool kFills>
+template <Between kBetween, bool kFills>
 void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compared) {
   BuiltSegmentField built;
   built.build(frame);
   const SegmentField field = built.field();
+  std::atomic<size_t> doubted = 0;
   Image<WalkedRay> alone(camera.width, camera.height), together(camera.width, camera.height);
   forEachPixelRay<WalkedRay>(
       frame, camera, {},
       [&](const Ray& ray, const RayInterval& inside) {
         if constexpr (kFills)
-          return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, [&](WalkedRay& walked, float from, float to) { guessed(ray, walked, from, to); });
+          return walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, [&](WalkedRay& walked, float from, float to, bool isGuess) {
+            doubted += !isGuess;
+            guessed(ray, walked, from, to, isGuess);
+          });
         else
-          return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow);
+          return walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow);
       },
       [&](uint32_t x, uint32_t y, const Ray&, const WalkedRay& walked) { alone(x, y) = walked; });
   forEachPixelPacket(
       frame, camera, {},
       [&](const RayPacket& rays, WalkedRay(&walked)[kBatchLanes]) {
         if constexpr (kFills)
-          walkPacket<kIsLinear>(field, rays, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to) { guessed(rays.ray(lane), ray, from, to); });
+          walkPacket<kBetween>(field, rays, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to, bool isGuess) { guessed(rays.ray(lane), ray, from, to, isGuess); });
         else
-          walkPacket<kIsLinear>(field, rays, kStopBelow, walked, nullptr);
+          walkPacket<kBetween>(field, rays, kStopBelow, walked, nullptr);
       },
       [&](uint32_t x, uint32_t y, const WalkedRay& walked) { together(x, y) = walked; });
+  compared.doubted += doubted;
   for (uint32_t y = 0; y < camera.height; ++y)
     for (uint32_t x = 0; x < camera.width; ++x) {
       const WalkedRay &expected = alone(x, y), &found = together(x, y);
       for (int channel = 0; channel < 3; ++channel)
-        ASSERT_EQ(std::bit_cast<uint32_t>(found.color[channel]), std::bit_cast<uint32_t>(expected.color[channel])) << x << ", " << y << (kIsLinear ? " linear" : " nearest") << (kFills ? " filled" : "");
+        ASSERT_EQ(std::bit_cast<uint32_t>(found.color[channel]), std::bit_cast<uint32_t>(expected.color[channel])) << x << ", " << y << " between " << static_cast<int>(kBetween) << (kFills ? " filled" : "");
       ASSERT_EQ(std::bit_cast<uint32_t>(found.through), std::bit_cast<uint32_t>(expected.through)) << x << ", " << y;
       ASSERT_EQ(std::bit_cast<uint32_t>(found.guessed), std::bit_cast<uint32_t>(expected.guessed)) << x << ", " << y;
       ++compared.rays;
@@ -65,10 +73,12 @@ void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compar
 }
 
 void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compared) {
-  expectSame<true, true>(frame, camera, compared);
-  expectSame<true, false>(frame, camera, compared);
-  expectSame<false, true>(frame, camera, compared);
-  expectSame<false, false>(frame, camera, compared);
+  expectSame<Between::refined, true>(frame, camera, compared);
+  expectSame<Between::refined, false>(frame, camera, compared);
+  expectSame<Between::linear, true>(frame, camera, compared);
+  expectSame<Between::linear, false>(frame, camera, compared);
+  expectSame<Between::nearest, true>(frame, camera, compared);
+  expectSame<Between::nearest, false>(frame, camera, compared);
 }
 
 const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
@@ -92,6 +102,7 @@ TEST(PacketWalk, RandomFramesAreMetAsByRaysAlone) {
   // That it was about something.
   EXPECT_GT(compared.met, compared.rays / 4);
   EXPECT_GT(compared.guessedAt, compared.rays / 10);
+  EXPECT_GT(compared.doubted, compared.rays / 10);
 }
 
 TEST(PacketWalk, LinesOfOneDepthAndSegmentsThatBeginThere) {

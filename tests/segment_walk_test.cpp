@@ -28,14 +28,14 @@ Found walk(const SampleFrame& frame, const Ray& ray, float tNear, float tFar, bo
   built.build(frame);
   Found found;
   float last = tNear;
-  const auto note = [&](WalkedRay&, float from, float to) {
+  const auto note = [&](WalkedRay&, float from, float to, bool /*isGuess*/) {
     EXPECT_GE(from, last - 1e-4f);  // front to back
     EXPECT_LE(from, to);
     last = to;
     found.unknown += static_cast<double>(to) - static_cast<double>(from);
     ++found.pieces;
   };
-  found.walked = isLinear ? walkSegments<true>(built.field(), ray, tNear, tFar, 0.0f, note) : walkSegments<false>(built.field(), ray, tNear, tFar, 0.0f, note);
+  found.walked = isLinear ? walkSegments<Between::linear>(built.field(), ray, tNear, tFar, 0.0f, note) : walkSegments<Between::nearest>(built.field(), ray, tNear, tFar, 0.0f, note);
   return found;
 }
 
@@ -155,19 +155,18 @@ TEST(SegmentWalk, InTwoPartsItIsTheSame) {
           const Ray ray = pixels.ray(x, y).ray;
           const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
           if (inside.isMiss()) continue;
-          const auto fill = [](WalkedRay& walked, float from, float to) { walked.guess(glm::vec3(0.02f * (to - from), 0.1f, from), 0.2f); };
-          const auto expectSame = [&]<bool kIsLinear>(std::bool_constant<kIsLinear>) {
+          const auto fill = [](WalkedRay& walked, float from, float to, bool isGuess) { walked.fill({glm::dvec3(0.02f * (to - from), 0.1f, from), isGuess ? 0.8 : 0.5}, isGuess); };
+          const auto expectSame = [&]<Between kBetween>(std::integral_constant<Between, kBetween>) {
             constexpr float kStopBelow = 0.01f;
-            const WalkedRay expected = walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, fill);
+            const WalkedRay expected = walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, fill);
             InterruptedWalk walk;
-            const bool isAll = walkKnown<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk);
-            const WalkedRay walked = isAll ? walk.walked : walkRest<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk, fill);
+            const bool isAll = walkKnown<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk);
+            const WalkedRay walked = isAll ? walk.walked : walkRest<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk, fill);
             inTwo += !isAll && walk.place.x >= 0;
             ASSERT_EQ(walked.seen(), expected.seen()) << x << ", " << y;
             ASSERT_EQ(walked.guessed, expected.guessed);
           };
-          expectSame(std::true_type{});
-          expectSame(std::false_type{});
+          for (const Between between : {Between::nearest, Between::linear, Between::refined}) visitBetween(between, expectSame);
         }
     }
   }
@@ -186,8 +185,8 @@ TEST(SegmentWalk, WhatFillsNothingChangesNothing) {
       const Ray ray = pixels.ray(x, y).ray;
       const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
       if (inside.isMiss()) continue;
-      const WalkedRay alone = walkSegments<true>(built.field(), ray, inside.tNear, inside.tFar, 0.0f);
-      const WalkedRay other = walkSegments<true>(built.field(), ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float, float) { ++filled; });
+      const WalkedRay alone = walkSegments<Between::linear>(built.field(), ray, inside.tNear, inside.tFar, 0.0f);
+      const WalkedRay other = walkSegments<Between::linear>(built.field(), ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float, float, bool) { ++filled; });
       EXPECT_EQ(other.through, alone.through) << x << ", " << y;
       EXPECT_EQ(other.color, alone.color) << x << ", " << y;
     }
@@ -414,7 +413,7 @@ SampleFrame borderFrame(uint32_t width) {
   return frame;
 }
 
-template <bool kIsLinear>
+template <Between kBetween>
 void expectBordersAlike(uint32_t width) {
   BuiltSegmentField built;
   built.build(borderFrame(width));
@@ -428,9 +427,9 @@ void expectBordersAlike(uint32_t width) {
     for (const int side : {0, 1}) {
       const float x = side == 0 ? -tangent : tangent;
       const glm::vec3 from(x * nearest, slope * nearest, 30.0f - nearest), to(x * farthest, -slope * farthest, 30.0f - farthest);
-      through[side] = walkSegments<kIsLinear>(field, {from, glm::normalize(to - from)}, 0.0f, glm::length(to - from), 0.0f).through;
+      through[side] = walkSegments<kBetween>(field, {from, glm::normalize(to - from)}, 0.0f, glm::length(to - from), 0.0f).through;
     }
-    EXPECT_NEAR(through[0], through[1], 0.02f) << width << ", " << i << (kIsLinear ? " linear" : " nearest");
+    EXPECT_NEAR(through[0], through[1], 0.02f) << width << ", " << i << (blends(kBetween) ? " linear" : " nearest");
     met += through[0] < 0.9f;
   }
   EXPECT_GT(met, 150);
@@ -438,8 +437,8 @@ void expectBordersAlike(uint32_t width) {
 
 TEST(SegmentWalk, LinesAlongTheRightBorderMeetWhatThoseAlongTheLeftOneMeet) {
   for (const uint32_t width : {64u, 66u, 250u, 270u}) {
-    expectBordersAlike<false>(width);
-    expectBordersAlike<true>(width);
+    expectBordersAlike<Between::nearest>(width);
+    expectBordersAlike<Between::linear>(width);
   }
 }
 

@@ -155,6 +155,8 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
           ASSERT_TRUE(back.proxy);
           EXPECT_EQ(back.proxy->function, frame.proxy->function);
           EXPECT_EQ(back.proxy->scale, frame.proxy->scale);
+          EXPECT_EQ(back.proxy->hasAllVoxels, frame.proxy->hasAllVoxels);
+          EXPECT_EQ(back.proxy->isExact, frame.proxy->isExact);
           EXPECT_EQ(back.proxy->volume->bounds().upper, frame.proxy->volume->bounds().upper);
           EXPECT_TRUE(std::equal(back.proxy->volume->voxelsAs<uint8_t>(), back.proxy->volume->voxelsAs<uint8_t>() + back.proxy->volume->voxelCount(),
                                  frame.proxy->volume->voxelsAs<uint8_t>()));

@@ -13,6 +13,9 @@ namespace {
 
 constexpr uint64_t kProxyHeadBytes = 3 * 4 + (3 + 3 + 9 + 1 + 2) * 8 + 1 + 4, kPointBytes = 8 + 4 * 4;
 
+/// What is true of a copy, in a byte.
+constexpr uint8_t kHasMissing = 1, kHasAllVoxels = 2, kIsExact = 4, kFacts = kHasMissing | kHasAllVoxels | kIsExact;
+
 void appendDouble(ByteVector& out, double value) { appendLittle(out, std::bit_cast<uint64_t>(value)); }
 void appendFloat(ByteVector& out, float value) { appendLittle(out, std::bit_cast<uint32_t>(value)); }
 double takeDouble(ByteReader& reader) { return std::bit_cast<double>(reader.take<uint64_t>()); }
@@ -44,7 +47,7 @@ void appendProxy(ByteVector& out, const Proxy& proxy) {
   appendDouble(out, geometry.unit());
   appendDouble(out, scale.lowest);
   appendDouble(out, scale.perCode);
-  appendLittle(out, static_cast<uint8_t>(scale.hasMissing ? 1 : 0));
+  appendLittle(out, static_cast<uint8_t>((scale.hasMissing ? kHasMissing : 0) | (proxy.hasAllVoxels ? kHasAllVoxels : 0) | (proxy.isExact ? kIsExact : 0)));
   appendLittle(out, static_cast<uint32_t>(function.points.size()));
   for (const TransferPoint& point : function.points) {
     appendDouble(out, point.value);
@@ -73,13 +76,16 @@ DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& o
   Proxy proxy;
   proxy.scale.lowest = takeDouble(reader);
   proxy.scale.perCode = takeDouble(reader);
-  proxy.scale.hasMissing = reader.take<uint8_t>() != 0;
+  const auto facts = reader.take<uint8_t>();
+  proxy.scale.hasMissing = (facts & kHasMissing) != 0;
+  proxy.hasAllVoxels = (facts & kHasAllVoxels) != 0;
+  proxy.isExact = (facts & kIsExact) != 0;
   const auto pointCount = reader.take<uint32_t>();
   if (reader.ranOut()) return "the volume's copy ends within its head";
   for (int axis = 0; axis < 3; ++axis)
     if (geometry.dims[axis] > static_cast<uint32_t>(longest)) return "the volume's copy is larger than was asked for";
   if (!(geometry.unitEdge > 0.0) || !std::isfinite(geometry.unitEdge) || !(proxy.scale.perCode > 0.0) || !std::isfinite(proxy.scale.perCode) ||
-      !std::isfinite(proxy.scale.lowest))
+      !std::isfinite(proxy.scale.lowest) || facts > kFacts)
     return "the volume's copy has numbers that are none";
   if (pointCount == 0 || pointCount > kMostFunctionPoints || reader.left() < pointCount * kPointBytes) return "the transfer function of the volume's copy is damaged";
   TransferFunction& function = proxy.function;

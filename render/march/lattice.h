@@ -29,6 +29,12 @@ struct RayLattice {
   WARPSCOPE_HD float tOfWholeStep(int i) const { return mulAdd(static_cast<float>(i) + 0.5f, dt, t0); }
   /// Where step i begins and the one in front of it ends, for i up to count; as precise as t().
   WARPSCOPE_HD float border(int i) const { return i < count ? mulAdd(static_cast<float>(i), dt, t0) : t0 + length; }
+  /// The first sample that lies at `behind` or behind it, as of whole steps; count if there is none. So parts of a ray that follow each other share its samples out.
+  WARPSCOPE_HD int firstFrom(float behind) const {
+    if (!(behind < t0 + length)) return count;
+    const float steps = std::ceil((behind - t0) / dt - 0.5f);
+    return steps > 0.0f ? minOf(static_cast<int>(steps), count) : 0;
+  }
   WARPSCOPE_HD float t(int i) const {
     return i + 1 < count ? tOfWholeStep(i) : t0 + (length - 0.5f * stepLength(i));
   }

@@ -2,6 +2,8 @@
 // The march of march.h with the scalar source of the picture's mode; light comes from the copy's own gradients.
 #pragma once
 
+#include <limits>
+
 #include "render/effects/clip.h"
 #include "render/effects/isosurface.h"
 #include "render/effects/mip.h"
@@ -42,16 +44,17 @@ struct ProxyMarch {
   float step = 1.0f;
   bool isClipped = false;
 
-  /// What the part [tNear, tFar] of the ray sends and lets through, behind what lets `through` pass.
+  /// What the part [tNear, tFar] of the ray sends and lets through, behind what lets `through` pass: those of the whole ray's samples that lie in it.
   WARPSCOPE_HD RayLight operator()(const Ray& ray, float tNear, float tFar, float through) const {
-    RayInterval interval = intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, tNear, tFar);
+    RayInterval interval = intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
     if (interval.isMiss()) return {};
     if (isClipped) interval = clipped(clip, ray, interval);
     const RayPath path{ray, makeLattice(interval, step)};
-    if (path.lattice.count == 0) return {};
+    const int first = path.lattice.firstFrom(tNear), behind = path.lattice.firstFrom(tFar);
+    if (!(first < behind)) return {};
     RayPiece piece{Transmittance(static_cast<double>(through))};
     const auto march = [&](auto&& source) {
-      marchRay(path, 0, path.lattice.count, source, light, limits, piece, [](const CountingSample&) { return true; });
+      marchRay(path, first, behind, source, light, limits, piece, [](const CountingSample&) { return true; });
     };
     if constexpr (std::is_same_v<Source, CompositeProxySource>) {
       march(Source(view, path.ray, path.lattice));

@@ -12,9 +12,10 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<NamedValue<Between>, 2> kBetweens{{
+constexpr std::array<NamedValue<Between>, 3> kBetweens{{
     {Between::nearest, "nearest", "what the nearest pixel has"},
     {Between::linear, "linear", "what the four pixels about it have, blended"},
+    {Between::refined, "refined", "the same; where these disagree what the copy of the volume has, if that has all voxels"},
 }};
 constexpr auto kBetweenChoices = choicesOf(kBetweens);
 
@@ -27,11 +28,18 @@ constinit const Knob kBetweenKnob{.key = "between",
                                   .help = "What lies between the rays of a frame's pixels",
                                   .type = KnobType::choice,
                                   .isOfPanel = true,
-                                  .defaultValue = static_cast<double>(Between::linear),
+                                  .defaultValue = static_cast<double>(Between::refined),
                                   .choices = kBetweenChoices,
                                   .axis = {"betweens", "--betweens", "What lies between pixels' rays, by name"},
                                   .phrase = ", {}",
                                   .naming = KnobNaming::unlessDefault};
+
+Between betweenOf(const SampleFrame& frame, const KnobValues& knobs, ProxyFill& fill) {
+  const Between wanted = knobs.choice<Between>(kBetweenKnob);
+  if (wanted != Between::refined) return wanted;
+  const bool canRefine = frame.proxy && fillOf(kSegmentsWarp, knobs) == Fill::proxy && fill.showsTheVolume(frame.proxy, frame.settings.render);
+  return canRefine ? Between::refined : Between::linear;
+}
 
 namespace {
 
@@ -49,20 +57,17 @@ class SegmentsWarp final : public Warp {
     image.color.resize(camera.width, camera.height);
     if (!frame_ || frame_->segments.empty()) return;
     built_.relight(*frame_, camera);
-    if (settings.knobs.choice<Between>(kBetweenKnob) == Between::linear)
-      drawRays<true>(camera, settings, image, stop);
-    else
-      drawRays<false>(camera, settings, image, stop);
+    visitBetween(betweenOf(*frame_, settings.knobs, fill_), [&](auto between) { drawRays<between()>(camera, settings, image, stop); });
   }
 
  private:
-  template <bool kIsLinear>
+  template <Between kBetween>
   void drawRays(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
     const SegmentField field = built_.field();
     const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
     const auto walkRays = [&](const auto& fillFor) {
       forEachPixelPacket(
-          *frame_, camera, stop, [&](const RayPacket& rays, auto& walked) { walkPacket<kIsLinear>(field, rays, stopBelow, walked, fillFor(rays)); },
+          *frame_, camera, stop, [&](const RayPacket& rays, auto& walked) { walkPacket<kBetween>(field, rays, stopBelow, walked, fillFor(rays)); },
           [&](uint32_t x, uint32_t y, const WalkedRay& walked) {
             image.color(x, y) = walked.seen();
             image.samples(x, y) = walked.id();
@@ -71,7 +76,7 @@ class SegmentsWarp final : public Warp {
     if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walkRays([](const RayPacket& /*rays*/) { return nullptr; });
     fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
       walkRays([&](const RayPacket& rays) {
-        return [&](int lane, WalkedRay& walked, float tNear, float tFar) { walked.guess(march(rays.ray(lane), tNear, tFar, walked.through)); };
+        return [&](int lane, WalkedRay& walked, float tNear, float tFar, bool isGuess) { walked.fill(march(rays.ray(lane), tNear, tFar, walked.through), isGuess); };
       });
     });
   }

@@ -2,13 +2,17 @@
 // After the volumetric depth images of Frey, Sadlo, Ertl 2013; see segments/segment_walk.h and nearest_walk.h.
 #pragma once
 
+#include "render/warp/segments/between.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
-/// What lies between the rays of pixels.
-enum class Between { nearest, linear };
 extern const Knob kBetweenKnob;
+
+class ProxyFill;
+
+/// What lies between the rays of a frame with segments in a picture with those knobs: nothing is refined that the frame's copy does not fill, or does not show as the volume is.
+Between betweenOf(const SampleFrame& frame, const KnobValues& knobs, ProxyFill& fill);
 
 extern const WarpDescriptor kSegmentsWarp;
 

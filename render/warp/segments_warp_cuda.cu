@@ -38,8 +38,8 @@ __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay&
 }
 
 /// Of a multiprocessor, that there are registers for, by whether pixels are blended. Measured on an H200 and an H100: more blocks make walks spill, fewer leave loads to wait for.
-template <bool kIsLinear>
-constexpr int kBlocksThatWalk = kIsLinear ? 7 : 8;
+template <Between kBetween>
+constexpr int kBlocksThatWalk = blends(kBetween) ? 7 : 8;
 constexpr int kBlocksThatFill = 4;
 
 /// Warps are tiles of 4 x 8 pixels side by side, because rays that are turned sideways go along the frame's rows, and are alike where they are next to each other on
@@ -53,20 +53,20 @@ __device__ inline PixelPlace pixelOfWalk() {
 }
 
 /// Nothing is made of what is not known.
-template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kIsLinear>) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
+template <Between kBetween>
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kBetween>) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
   const PixelPlace pixel = pixelOfWalk();
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = partInside(picture.bounds, ray);
   WalkedRay walked;
-  if (!inside.isMiss()) walked = walkSegments<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow);
+  if (!inside.isMiss()) walked = walkSegments<kBetween>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow);
   store(out, size_t{pixel.y} * picture.width + pixel.x, walked);
 }
 
 /// All rays as far as the frame knows.
-template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kIsLinear>)
+template <Between kBetween>
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kBetween>)
     walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
   const PixelPlace pixel = pixelOfWalk();
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
@@ -74,7 +74,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kIsLinear>)
   const RayInterval inside = partInside(picture.bounds, ray);
   InterruptedWalk walk;
   const uint32_t i = pixel.y * picture.width + pixel.x;
-  if (inside.isMiss() || walkKnown<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walk)) return store(out, i, walk.walked);
+  if (inside.isMiss() || walkKnown<kBetween>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walk)) return store(out, i, walk.walked);
   const uint32_t place = atomicAdd(interrupted.count, 1u);  // the compiler asks once for all lanes
   interrupted.pixels[place] = i;
   interrupted.walks[place] = walk;
@@ -86,7 +86,7 @@ template <class March>
 __device__ __noinline__ RayLight lightOfPiece(const March& march, const Ray& ray, float tNear, float tFar, float through) {
   return march(ray, tNear, tFar, through);
 }
-template <bool kIsLinear, class March>
+template <Between kBetween, class March>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
     walkRests(const __grid_constant__ Picture picture, const __grid_constant__ March march, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
   const uint32_t count = *interrupted.count;
@@ -95,8 +95,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
     const Ray ray = picture.pixels.ray(i % picture.width, i / picture.width).ray;
     const RayInterval inside = partInside(picture.bounds, ray);
     store(out, i,
-          walkRest<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar) {
-            walked.guess(lightOfPiece(march, ray, tNear, tFar, walked.through));
+          walkRest<kBetween>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar, bool isGuess) {
+            walked.fill(lightOfPiece(march, ray, tNear, tFar, walked.through), isGuess);
           }));
   }
 }
@@ -122,19 +122,15 @@ class CudaSegmentsWarp final : public DeviceWarp {
     picture.width = camera.width;
     picture.height = camera.height;
     picture.stopBelow = limitsOf(head.settings.render).stopBelow;
-    const bool isLinear = settings.knobs.choice<Between>(kBetweenKnob) == Between::linear;
-    if (isLinear)
-      walk<true>(picture, camera, settings, pixels, stream);
-    else
-      walk<false>(picture, camera, settings, pixels, stream);
+    visitBetween(betweenOf(head, settings.knobs, fill_), [&](auto between) { walk<between()>(picture, camera, settings, pixels, stream); });
   }
 
-  template <bool kIsLinear>
+  template <Between kBetween>
   void walk(const Picture& picture, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) {
     const SampleFrame& head = field_.head();
     const dim3 grid = walkGrid(camera.width, camera.height);
     if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
-      walkPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
+      walkPixels<kBetween><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
       return;
     }
@@ -144,11 +140,11 @@ class CudaSegmentsWarp final : public DeviceWarp {
     walks_.reserve(most);
     const Interrupted interrupted{count_.data(), interruptedPixels_.data(), walks_.data()};
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(count_.data(), 0, sizeof(uint32_t), stream));
-    walkKnownPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
+    walkKnownPixels<kBetween><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     fill_.visit(head.proxy, head.settings.render, camera, [&](const auto& onHost, const auto& baked) {
       deviceProxy_.visit(head.proxy, onHost, baked, stream, [&](const auto& march) {
-        walkRests<kIsLinear><<<std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks), kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
+        walkRests<kBetween><<<std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks), kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
         WARPSCOPE_CUDA_CHECK_LAUNCH();
       });
     });

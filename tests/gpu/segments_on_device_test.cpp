@@ -63,7 +63,7 @@ TEST(SegmentsOnDevice, PicturesAreTheCpusBitForBit) {
   for (const BuiltinScene& builtin : builtinScenes()) {
     const Scene scene = smallScene(builtin.name, 96);
     const Pair pair(scene);
-    for (const int proxy : {0, 32})
+    for (const int proxy : {0, 32, 96})
       for (const float shading : {0.0f, 1.0f}) {
         MarchSettings settings = scene.march;
         settings.sample.segments = 4;
@@ -74,13 +74,13 @@ TEST(SegmentsOnDevice, PicturesAreTheCpusBitForBit) {
         const std::unique_ptr<Warp> onCpu = findWarp("segments").make(resources);
         resources.backend = Backend::cuda;
         const std::unique_ptr<Warp> onDevice = findWarp("segments").make(resources);
-        for (const double between : {0.0, 1.0}) {
+        for (const Between between : {Between::nearest, Between::linear, Between::refined}) {
           WarpSettings drawn;
           drawn.knobs.set(kBetweenKnob, between);
           onCpu->setFrame(frame, drawn);
           onDevice->setFrame(frame, drawn);
           for (const View& view : scene.views) {
-            SCOPED_TRACE(::testing::Message() << builtin.name << ", copy " << proxy << ", shading " << shading << ", between " << between << ", " << view.angleDeg);
+            SCOPED_TRACE(::testing::Message() << builtin.name << ", copy " << proxy << ", shading " << shading << ", between " << static_cast<int>(between) << ", " << view.angleDeg);
             const Camera camera = makeCamera(scene, view, 203, 157);
             WarpedImage expected, actual;
             onCpu->draw(camera, drawn, expected);

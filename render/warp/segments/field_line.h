@@ -133,9 +133,10 @@ WARPSCOPE_HD inline WalkPlace beginOfWalk(const SegmentField& field, const Field
           minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dy, line.y0)), 0), lastRow)};
 }
 
-/// A part of a line of which nothing is known, as long as there are; s.
+/// A part of a line that is to be filled: of which nothing is known, as long as there are, or (`isDoubted`) of which a cell's pixels say different things; s.
 struct UnknownPiece {
   float begin = 0.0f, end = 0.0f;
+  bool isDoubted = false;
 
   WARPSCOPE_HD bool isAny() const { return begin < end; }
 };

@@ -24,10 +24,10 @@ struct alignas(64) WalkedPacket {
 };
 
 /// Walks lines that all rise or all fall to their ends.
-template <bool kIsLinear, bool kIsRising, class Fill>
+template <Between kBetween, bool kIsRising, class Fill>
 class PacketWalk {
  public:
-  /// `isWalked`: 1 for lines that are, else 0. `fill(lane, begin, end)`: passes to that lane of `walked` what is not known of its line, as walkRest()'s does; s. nullptr:
+  /// `isWalked`: 1 for lines that are, else 0. `fill(lane, begin, end, isGuess)`: passes to that lane of `walked` a part of its line, as walkRest()'s does; s. nullptr:
   /// there is nothing where nothing is known.
   PacketWalk(const SegmentField& field, const PacketLines& lines, const float (&isWalked)[kBatchLanes], float stopBelow, WalkedPacket& walked, const Fill& fill)
       : field_(field), stopBelow_(stopBelow), fill_(fill), walked_(walked) {
@@ -57,7 +57,7 @@ class PacketWalk {
     }
     if constexpr (kFills) {
       const M isUnknown = unknownFrom_ < F(kNowhereOnLine);
-      if (xsimd::any(isUnknown)) fillBetween(isUnknown, end_);
+      if (xsimd::any(isUnknown)) fillUnknown(isUnknown, end_);
     }
     store();
   }
@@ -67,6 +67,7 @@ class PacketWalk {
   using I = IntBatch;
   using M = xsimd::batch_bool<float>;
   static constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
+  static constexpr bool kIsLinear = blends(kBetween), kChecks = kBetween == Between::refined && kFills;
   static constexpr int kPixels = kIsLinear ? 4 : 1;
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
   static constexpr int kTopShift = fieldShift(kFieldLevels - 1);
@@ -83,6 +84,13 @@ class PacketWalk {
       green = selected(which, other.green, green);
       blue = selected(which, other.blue, blue);
     }
+  };
+
+  /// Of a cell of which something has been known all along, as in walkBlended(): where and as what it began.
+  struct Stretch {
+    M isAny = M(false);
+    F s, red, green, blue, through;
+    PixelViews<F> views;
   };
 
   static F loaded(const float (&numbers)[kBatchLanes]) { return F::load_aligned(numbers); }
@@ -111,22 +119,25 @@ class PacketWalk {
     red_.store_aligned(walked_.red), green_.store_aligned(walked_.green), blue_.store_aligned(walked_.blue), through_.store_aligned(walked_.through);
   }
 
-  /// The walks of `which` go on from where they are as they began, having passed what is not known up to `end`.
-  void fillBetween(const M& which, const F& end) {
+  /// The walks of `which` go on from where they are as they began, having passed what is between.
+  void fillBetween(const M& which, const F& begin, const F& end, bool isGuess) {
     if constexpr (kFills) {
       alignas(64) float from[kBatchLanes], to[kBatchLanes];
-      unknownFrom_.store_aligned(from), end.store_aligned(to);
+      begin.store_aligned(from), end.store_aligned(to);
       store();
       for (uint32_t bits = bitsOf(which); bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
-        if (from[lane] < to[lane]) fill_(lane, from[lane], to[lane]);
+        if (from[lane] < to[lane]) fill_(lane, from[lane], to[lane], isGuess);
       }
       load();
-      unknownFrom_ = selected(which, F(kNowhereOnLine), unknownFrom_);
     }
   }
+  void fillUnknown(const M& which, const F& end) {
+    fillBetween(which, unknownFrom_, end, true);
+    unknownFrom_ = selected(which, F(kNowhereOnLine), unknownFrom_);
+  }
   void interrupt(const M& which) {
-    fillBetween(which, s_);
+    fillUnknown(which, s_);
     active_ = active_ & !(which & (through_ < F(stopBelow_)));
     shift_ = chosen(which, I(kTopShift), shift_);
     keptX_ = keptX_ & !which, keptY_ = keptY_ & !which;
@@ -274,7 +285,7 @@ class PacketWalk {
   }
 
   /// A piece that is so long, over the divisors, by what the pixels about it have.
-  [[gnu::always_inline]] void pass(const M& which, const F (&weights)[kPixels], const F& way, const F& divisors, F (&left)[kPixels]) {
+  [[gnu::always_inline]] void pass(const M& which, const F (&weights)[kPixels], const F& way, const F& divisors, F (&left)[kPixels], Stretch& stretch) {
     F opacity, share, red(0.0f), green(0.0f), blue(0.0f);
     if constexpr (kIsLinear) {
       const F length = way / divisors;
@@ -285,6 +296,12 @@ class PacketWalk {
         all = all + weight;
         stopped = stopped + own;
         red = red + own * state.red, green = green + own * state.green, blue = blue + own * state.blue;
+        if constexpr (kChecks) {
+          const F light = selected(which, left[i] * its, F(0.0f));
+          F(&color)[3] = stretch.views.color[i];
+          color[0] = mulAdd(light, state.red, color[0]), color[1] = mulAdd(light, state.green, color[1]), color[2] = mulAdd(light, state.blue, color[2]);
+          stretch.views.asked[i] = selected(which & (weights[i] > F(kLeastKnown)), F(1.0f), stretch.views.asked[i]);
+        }
         left[i] = selected(which, maxOf(left[i] * (F(1.0f) - its), F(kLeastLeft)), left[i]);
       }
       const F perWeight = F(1.0f) / all;
@@ -300,11 +317,33 @@ class PacketWalk {
     through_ = selected(isAny, through_ * (F(1.0f) - opacity), through_);
   }
 
+  void beginStretch(const M& which, Stretch& stretch) const {
+    stretch.s = selected(which, s_, stretch.s);
+    stretch.red = selected(which, red_, stretch.red), stretch.green = selected(which, green_, stretch.green), stretch.blue = selected(which, blue_, stretch.blue);
+    stretch.through = selected(which, through_, stretch.through);
+    for (int i = 0; i < kPixels; ++i) {
+      stretch.views.asked[i] = selected(which, F(0.0f), stretch.views.asked[i]);
+      for (F& channel : stretch.views.color[i]) channel = selected(which, F(0.0f), channel);
+    }
+    stretch.isAny = stretch.isAny | which;
+  }
+  /// Those of `which` whose stretches, which end there, are doubted and have been filled.
+  M fillDoubted(const M& which, const F& end, const F (&left)[kPixels], const Stretch& stretch) {
+    if (!xsimd::any(which)) return which;
+    const M doubted = which & (stretch.views.disagreement(left) * stretch.through > F(kMostDisagreement));
+    if (!xsimd::any(doubted)) return doubted;
+    red_ = selected(doubted, stretch.red, red_), green_ = selected(doubted, stretch.green, green_), blue_ = selected(doubted, stretch.blue, blue_);
+    through_ = selected(doubted, stretch.through, through_);
+    fillBetween(doubted, stretch.s, end, false);
+    return doubted;
+  }
+
   /// Through the cells in which all are that are still under way, in pieces in which nothing changes, and to the next ones.
   void walkCells() {
     M piecing = active_, leaving = M(false);
     F left[kPixels];  // as walkBlended() says
     for (F& one : left) one = F(1.0f);
+    Stretch stretch;
     while (xsimd::any(piecing)) {
       findStates(piecing);
       F until = depthOut_;
@@ -330,6 +369,12 @@ class PacketWalk {
         known = known + weights[i];
       }
       const M isUnknown = known < F(kLeastKnown);
+      if constexpr (kChecks) {
+        const M doubted = fillDoubted(piecing & isUnknown & stretch.isAny, s_, left, stretch), filledUp = doubted & (through_ < F(stopBelow_));
+        active_ = active_ & !filledUp;
+        piecing = piecing & !filledUp;
+        stretch.isAny = stretch.isAny & !isUnknown;
+      }
       if constexpr (kFills) {
         beginUnknown(piecing & isUnknown);
         const M interrupted = piecing & !isUnknown & (unknownFrom_ < F(kNowhereOnLine));
@@ -339,9 +384,18 @@ class PacketWalk {
         }
       }
       for (F& one : left) one = selected(isUnknown, F(1.0f), one);
-      if (const M passing = piecing & !isUnknown; xsimd::any(passing)) pass(passing, weights, spaceBy_ * share, divisorAt(s_) * divisorAt(to), left);
+      if (const M passing = piecing & !isUnknown; xsimd::any(passing)) {
+        if constexpr (kChecks) beginStretch(passing & !stretch.isAny, stretch);
+        pass(passing, weights, spaceBy_ * share, divisorAt(s_) * divisorAt(to), left, stretch);
+      }
       s_ = selected(piecing, to, s_);
-      const M stopped = piecing & (through_ < F(stopBelow_));
+      M stopped = piecing & (through_ < F(stopBelow_));
+      if constexpr (kChecks) {
+        const M doubted = fillDoubted((stopped | (piecing & isLast)) & stretch.isAny, out_, left, stretch);
+        stopped = (stopped & !doubted) | (doubted & (through_ < F(stopBelow_)));
+        leaving = leaving | (doubted & !stopped);
+        piecing = piecing & !doubted;
+      }
       active_ = active_ & !stopped;
       piecing = piecing & !stopped;
       leaving = leaving | (piecing & isLast);
@@ -377,18 +431,18 @@ class PacketWalk {
 };
 
 /// walkSegments() of rays side by side, as many as a vector has lanes. Of each its part is walked; none where that is a miss. `fill(lane, walked, tNear,
-/// tFar)`, or nullptr. `walked`: as it begins. The field's tiles lie in one array, level after level, as BuiltSegmentField's do.
-template <bool kIsLinear, class Fill>
+/// tFar, isGuess)`, or nullptr. `walked`: as it begins. The field's tiles lie in one array, level after level, as BuiltSegmentField's do.
+template <Between kBetween, class Fill>
 void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelow, WalkedRay (&walked)[kBatchLanes], const Fill& fill) {
   constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
   PacketLines lines;
-  makePacketLines<kIsLinear>(field, rays, lines);
+  makePacketLines<blends(kBetween)>(field, rays, lines);
   WalkedPacket colors;
   alignas(64) float rises[kBatchLanes] = {}, falls[kBatchLanes] = {};
   bool anyRises = false, anyFalls = false;
   const auto fillRay = [&](int lane, float tNear, float tFar) {
     if constexpr (kFills)
-      if (tNear < tFar && !(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar);
+      if (tNear < tFar && !(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar, true);
   };
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     const bool isLine = lines.isLine(lane);
@@ -401,13 +455,13 @@ void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelo
   }
   const auto walk = [&](const auto& fillPiece) {
     using FillPiece = std::decay_t<decltype(fillPiece)>;
-    if (anyRises) PacketWalk<kIsLinear, true, FillPiece>(field, lines, rises, stopBelow, colors, fillPiece).run();
-    if (anyFalls) PacketWalk<kIsLinear, false, FillPiece>(field, lines, falls, stopBelow, colors, fillPiece).run();
+    if (anyRises) PacketWalk<kBetween, true, FillPiece>(field, lines, rises, stopBelow, colors, fillPiece).run();
+    if (anyFalls) PacketWalk<kBetween, false, FillPiece>(field, lines, falls, stopBelow, colors, fillPiece).run();
   };
   if constexpr (kFills) {
-    walk([&](int lane, float begin, float end) {
+    walk([&](int lane, float begin, float end, bool isGuess) {
       WalkedRay ray = colors.ray(lane);
-      fill(lane, ray, lines.tAt(lane, begin), lines.tAt(lane, end));
+      fill(lane, ray, lines.tAt(lane, begin), lines.tAt(lane, end), isGuess);
       colors.set(lane, ray);
     });
   } else {

@@ -40,7 +40,7 @@ SegmentLook lookAtSegments(const SampleFrame& frame, const Camera& camera, const
       frame, camera, stop,
       [&](const Ray& ray, const RayInterval& inside) {
         NotingRay walked;
-        walkThrough<false>(field, ray, inside.tNear, inside.tFar, stopBelow, walked);
+        walkThrough<Between::nearest>(field, ray, inside.tNear, inside.tFar, stopBelow, walked);
         return walked;
       },
       [&](uint32_t x, uint32_t y, const Ray& ray, const NotingRay& noted) {

@@ -9,8 +9,10 @@
 #pragma once
 
 #include "render/core/opacity.h"
+#include "render/warp/segments/between.h"
 #include "render/warp/segments/field_line.h"
 #include "render/warp/segments/nearest_walk.h"
+#include "render/warp/segments/pixel_views.h"
 #include "render/warp/segments/walked_ray.h"
 
 namespace warpscope {
@@ -64,8 +66,8 @@ inline constexpr float kLeastLeft = 1e-6f;
 /// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
 inline constexpr float kLeastKnown = 1.0f / 64;
 
-/// walkOn() where pixels are blended.
-template <AtUnknown kAtUnknown>
+/// walkOn() where pixels are blended. `kIsRefined`: where those about a cell disagree by more than kMostDisagreement of what a stretch of it shows, that is filled as what is not known is.
+template <bool kIsRefined, AtUnknown kAtUnknown>
 [[gnu::flatten]] WARPSCOPE_HD inline bool walkBlended(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
   float unknownFrom = kNowhereOnLine;  // s; kNowhereOnLine: what came last was known
 
@@ -90,6 +92,21 @@ template <AtUnknown kAtUnknown>
     if (kAtUnknown == AtUnknown::stop) place = {s, depth, x, y};
     if (kAtUnknown == AtUnknown::stopBehind && !(unknownFrom < kNowhereOnLine)) unknownFrom = s;
     return kAtUnknown == AtUnknown::stop;
+  };
+
+  // The stretch of a cell of which something has been known all along: where and as what it began.
+  constexpr bool kChecks = kIsRefined && kAtUnknown != AtUnknown::goOn;
+  WalkPlace stretch{.x = -1};  // x < 0: there is none
+  WalkedRay before;
+  PixelViews<float> views;
+  float left[4];  // within the stretch, of light that goes along what each pixel has
+  // True where it is to be filled, and the walk interrupted, which goes on at its end.
+  const auto isDoubted = [&] {
+    if (!kChecks || stretch.x < 0 || !(views.disagreement(left) * before.through > kMostDisagreement)) return false;
+    walked = before;
+    piece = {stretch.s, s, true};
+    place = kAtUnknown == AtUnknown::stop ? stretch : WalkPlace{s, depth, x, y};
+    return true;
   };
 
   // The pixels about a cell in the order in which the line leaves them behind: trailing on both axes, leading on x, leading on y, leading on both.
@@ -147,7 +164,8 @@ template <AtUnknown kAtUnknown>
     if (kept != Kept::alongY) states[1].until = expired;
     if (kept != Kept::alongX) states[2].until = expired;
     states[3].until = expired;
-    float left[kPixels] = {1.0f, 1.0f, 1.0f, 1.0f};  // within the cell, of light that goes along what each has
+    for (float& one : left) one = 1.0f;
+    stretch.x = -1;
     for (;;) {
       float until = depthOut;
       for (int i = 0; i < kPixels; ++i) {
@@ -173,10 +191,16 @@ template <AtUnknown kAtUnknown>
         known += weights[i];
       }
       if (known < kLeastKnown) {
-        if (beginsUnknown()) return false;
+        if (isDoubted() || beginsUnknown()) return false;
         for (float& one : left) one = 1.0f;  // as of a walk that goes on behind it
+        stretch.x = -1;
       } else {
         if (endsUnknown()) return false;
+        if (kChecks && stretch.x < 0) {
+          stretch = {s, depth, x, y};
+          before = walked;
+          views.clear();
+        }
         const float length = spaceBy * share / (line.divisorAt(s) * line.divisorAt(to));
         float all = 0.0f, stopped = 0.0f;
         glm::vec3 light(0.0f);
@@ -185,7 +209,12 @@ template <AtUnknown kAtUnknown>
           const float opacity = opacityOf(states[i].extinction * length), weight = weights[i] * left[i], own = weight * opacity;
           all += weight;
           stopped += own;
-          light += own * field.matter[states[i].active].color;
+          const glm::vec3 color = field.matter[states[i].active].color;
+          light += own * color;
+          if (kChecks) {
+            for (int channel = 0; channel < 3; ++channel) views.color[i][channel] = mulAdd(left[i] * opacity, color[channel], views.color[i][channel]);
+            views.asked[i] = weights[i] > kLeastKnown ? 1.0f : views.asked[i];
+          }
           left[i] = maxOf(left[i] * (1.0f - opacity), kLeastLeft);
         }
         if (stopped > 0.0f) {
@@ -194,7 +223,17 @@ template <AtUnknown kAtUnknown>
         }
       }
       s = to;
-      if (walked.through < stopBelow) return true;
+      const bool isStopped = walked.through < stopBelow;
+      if (kChecks && (isStopped || isLast)) {
+        // Behind where it is stopped it may not be: up to the end of the cell.
+        const WalkPlace here{s, depth, x, y};
+        s = out;
+        depth = depthOut;
+        if (isDoubted()) return false;
+        s = here.s;
+        depth = here.depth;
+      }
+      if (isStopped) return true;
       if (isLast) break;
       depth = until;
     }
@@ -218,12 +257,12 @@ template <AtUnknown kAtUnknown>
 /// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
 /// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
 /// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
-/// `kIsLinear`: between the centres of pixels what they show is blended, of those that know; else each pixel's is the same all over its frustum.
+/// `kBetween`: blended is of those pixels that know; nearest, each pixel's is the same all over its frustum. Refined, what pixels disagree about is as if it was not known.
 /// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
-template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
+template <Between kBetween, AtUnknown kAtUnknown, class Walked>
 WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
-  if constexpr (kIsLinear)
-    return walkBlended<kAtUnknown>(field, line, stopBelow, place, walked, piece);
+  if constexpr (blends(kBetween))
+    return walkBlended<kBetween == Between::refined, kAtUnknown>(field, line, stopBelow, place, walked, piece);
   else
     return walkNearest<kAtUnknown>(field, line, stopBelow, place, walked, piece);
 }
@@ -236,60 +275,60 @@ struct InterruptedWalk {
 };
 
 /// The first part of walkSegments(): true if that is all. `walk` as it begins; what walkRest() takes if it is not all.
-template <bool kIsLinear>
+template <Between kBetween>
 WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, InterruptedWalk& walk) {
   if (!(tNear < tFar)) return true;
-  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, blends(kBetween) ? 0.5f : 0.0f);
   const bool isLine = line.t0 < line.t1;
   if (!isLine || line.t0 > tNear) return false;
-  walk.place = beginOfWalk<kIsLinear>(field, line);
+  walk.place = beginOfWalk<blends(kBetween)>(field, line);
   UnknownPiece none;
-  const bool isWalked = walkOn<kIsLinear, AtUnknown::stop>(field, line, stopBelow, walk.place, walk.walked, none);
+  const bool isWalked = walkOn<kBetween, AtUnknown::stop>(field, line, stopBelow, walk.place, walk.walked, none);
   if (isWalked) walk.place.s = line.end;
   return isWalked && (!(line.t1 < tFar) || walk.walked.through < stopBelow);
 }
 
-/// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar)` passes what is not known.
-template <bool kIsLinear, class Fill>
+/// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar, isGuess)` passes what is not known, or (`isGuess` false) what pixels disagree about.
+template <Between kBetween, class Fill>
 WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, const InterruptedWalk& walk, Fill&& fill) {
   WalkedRay walked = walk.walked;
-  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, blends(kBetween) ? 0.5f : 0.0f);
   if (!(line.t0 < line.t1)) {
-    fill(walked, tNear, tFar);
+    fill(walked, tNear, tFar, true);
     return walked;
   }
   WalkPlace place = walk.place;
   if (place.x < 0) {
-    if (line.t0 > tNear) fill(walked, tNear, line.t0);
-    place = beginOfWalk<kIsLinear>(field, line);
+    if (line.t0 > tNear) fill(walked, tNear, line.t0, true);
+    place = beginOfWalk<blends(kBetween)>(field, line);
   }
   for (bool isDone = false; !isDone && !(walked.through < stopBelow);) {
     UnknownPiece piece;
-    isDone = walkOn<kIsLinear, AtUnknown::stopBehind>(field, line, stopBelow, place, walked, piece);
-    if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end));
+    isDone = walkOn<kBetween, AtUnknown::stopBehind>(field, line, stopBelow, place, walked, piece);
+    if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end), !piece.isDoubted);
   }
-  if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar);
+  if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar, true);
   return walked;
 }
 
 /// Walks the part [tNear, tFar] of a ray, as walkOn() does. `fill`: as walkRest().
-template <bool kIsLinear, class Fill>
+template <Between kBetween, class Fill>
 WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Fill&& fill) {
-  return tNear < tFar ? walkRest<kIsLinear>(field, ray, tNear, tFar, stopBelow, {}, fill) : WalkedRay{};
+  return tNear < tFar ? walkRest<kBetween>(field, ray, tNear, tFar, stopBelow, {}, fill) : WalkedRay{};
 }
 /// As if there were nothing where nothing is known; `walked` as it begins.
-template <bool kIsLinear, class Walked>
+template <Between kBetween, class Walked>
 WARPSCOPE_HD inline void walkThrough(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Walked& walked) {
   if (!(tNear < tFar)) return;
-  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
-  WalkPlace place = beginOfWalk<kIsLinear>(field, line);
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, blends(kBetween) ? 0.5f : 0.0f);
+  WalkPlace place = beginOfWalk<blends(kBetween)>(field, line);
   UnknownPiece none;
-  if (line.t0 < line.t1) walkOn<kIsLinear, AtUnknown::goOn>(field, line, stopBelow, place, walked, none);
+  if (line.t0 < line.t1) walkOn<kBetween, AtUnknown::goOn>(field, line, stopBelow, place, walked, none);
 }
-template <bool kIsLinear>
+template <Between kBetween>
 WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow) {
   WalkedRay walked;
-  walkThrough<kIsLinear>(field, ray, tNear, tFar, stopBelow, walked);
+  walkThrough<kBetween>(field, ray, tNear, tFar, stopBelow, walked);
   return walked;
 }
 

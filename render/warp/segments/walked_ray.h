@@ -24,7 +24,14 @@ struct WalkedRay {
     pass(itsColor, 1.0f, itsOpacity);
   }
 
-  WARPSCOPE_HD void guess(const RayLight& light) { guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance)); }
+  /// As either of them.
+  WARPSCOPE_HD void fill(const RayLight& light, bool isGuess) {
+    const float opacity = static_cast<float>(1.0 - light.transmittance);
+    if (isGuess)
+      guess(glm::vec3(light.color), opacity);
+    else
+      pass(glm::vec3(light.color), 1.0f, opacity);
+  }
 
   WARPSCOPE_HD glm::vec4 seen() const { return {color, 1.0f - through}; }
   /// What its pixel is: a guess where that can be seen.
