@@ -17,7 +17,7 @@ namespace warpscope::net {
 /// The first bytes of both sides.
 inline constexpr std::array<uint8_t, 8> kMagic{'w', 'a', 'r', 'p', 's', 'c', 'o', 'p'};
 /// Sides of different versions do not talk to each other.
-inline constexpr uint16_t kProtocolVersion = 4;
+inline constexpr uint16_t kProtocolVersion = 5;
 
 /// What a side can do beyond the least; what both can is used.
 enum Capability : uint32_t {

@@ -21,8 +21,8 @@ namespace {
 constexpr float kStopBelow = 0.01f;
 
 /// What is not known looks like that: of the ray and of where it is.
-void guessed(const Ray& ray, WalkedRay& walked, float from, float to, bool isGuess) {
-  walked.fill({glm::dvec3(0.02f * (to - from), std::abs(ray.direction.x), 0.01f * from), isGuess ? 0.8 : 0.5}, isGuess);
+void guessed(const Ray& ray, WalkedRay& walked, float from, float to, FillReason reason) {
+  walked.fill({glm::dvec3(0.02f * (to - from), std::abs(ray.direction.x), 0.01f * from), reason == FillReason::unknown ? 0.8 : 0.5}, reason);
 }
 
 /// How many rays were compared, how many of them met anything, and guessed; how many stretches were doubted.
@@ -41,9 +41,9 @@ void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compar
       frame, camera, {},
       [&](const Ray& ray, const RayInterval& inside) {
         if constexpr (kFills)
-          return walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, [&](WalkedRay& walked, float from, float to, bool isGuess) {
-            doubted += !isGuess;
-            guessed(ray, walked, from, to, isGuess);
+          return walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, [&](WalkedRay& walked, float from, float to, FillReason reason) {
+            doubted += reason == FillReason::doubted;
+            guessed(ray, walked, from, to, reason);
           });
         else
           return walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow);
@@ -53,7 +53,7 @@ void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compar
       frame, camera, {},
       [&](const RayPacket& rays, WalkedRay(&walked)[kBatchLanes]) {
         if constexpr (kFills)
-          walkPacket<kBetween>(field, rays, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to, bool isGuess) { guessed(rays.ray(lane), ray, from, to, isGuess); });
+          walkPacket<kBetween>(field, rays, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to, FillReason reason) { guessed(rays.ray(lane), ray, from, to, reason); });
         else
           walkPacket<kBetween>(field, rays, kStopBelow, walked, nullptr);
       },

@@ -23,11 +23,10 @@ const glm::uvec3 kLumpDims(48, 44, 40);
 const Camera kLumpServer = lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
 /// Two degrees beside it.
 const Camera kLumpViewer = lookingFrom({32.6f, 25.0f, 73.9f}, glm::vec3(0.0f), 160, 120, 0.45f);
-constexpr double kGainDb = 3.0;
 
-MarcherPtr lumpMarcher(VoxelType type = VoxelType::uint8, double factor = 1.0, double step = 40.0) {
+MarcherPtr lumpMarcher(VoxelType type = VoxelType::uint8, double factor = 1.0) {
   const FieldFunction lumps = blobs(kLumpDims, 11);
-  const TransferFunction function{{{15.0 * factor, {0.2f, 0.4f, 1.0f}, 0.0f}, {step * factor, {0.9f, 0.8f, 0.3f}, 0.6f}, {80.0 * factor, {1.0f, 0.3f, 0.1f}, 0.95f}}};
+  const TransferFunction function{{{15.0 * factor, {0.2f, 0.4f, 1.0f}, 0.0f}, {40.0 * factor, {0.9f, 0.8f, 0.3f}, 0.6f}, {80.0 * factor, {1.0f, 0.3f, 0.1f}, 0.95f}}};
   return makeCpuMarcher(makeTestVolume(type, kLumpDims, [=](const glm::ivec3& p) { return factor * lumps(p); }), function);
 }
 
@@ -68,16 +67,8 @@ TEST(RefinedSegments, AreNearerToTheVolumeThanBlendedOnes) {
       settings.render.effects.isoValues = parseIsoValues("45", "it");
       const MarcherPtr marcher = lumpMarcher();
       const double blended = errorDb(*marcher, settings, drawnFrom(*marcher, settings, kLumpViewer, between(Between::linear)));
-      EXPECT_GT(errorDb(*marcher, settings, drawnFrom(*marcher, settings, kLumpViewer, between(Between::refined))), blended + kGainDb) << shading << ", " << static_cast<int>(mode);
+      EXPECT_GT(errorDb(*marcher, settings, drawnFrom(*marcher, settings, kLumpViewer, between(Between::refined))), blended + (mode == RenderMode::composite ? 5.0 : 2.0)) << shading << ", " << static_cast<int>(mode);
     }
-}
-
-/// Values that are rounded too, where that is not to be seen.
-TEST(RefinedSegments, OfValuesThatAreRounded) {
-  const MarchSettings settings = withCopy(48);
-  const MarcherPtr marcher = lumpMarcher(VoxelType::float32, 1e-3);
-  const double blended = errorDb(*marcher, settings, drawnFrom(*marcher, settings, kLumpViewer, between(Between::linear)));
-  EXPECT_GT(errorDb(*marcher, settings, drawnFrom(*marcher, settings, kLumpViewer, between(Between::refined))), blended + kGainDb);
 }
 
 TEST(RefinedSegments, AreBlendedOnesWithoutACopyThatShowsTheVolume) {
@@ -99,8 +90,8 @@ TEST(RefinedSegments, AreBlendedOnesWithoutACopyThatShowsTheVolume) {
   settings = withCopy(48, 1.0f);
   settings.render.effects.shadows.occlusion = 1.0f;
   expectBlended("in shadow", marcher, settings);
-  // A function that goes up within less than a code's rounding.
-  expectBlended("steep", lumpMarcher(VoxelType::uint16, 500.0, 15.02), withCopy(48));
+  expectBlended("rounded", lumpMarcher(VoxelType::uint16, 500.0), withCopy(48));
+  expectBlended("fractions", lumpMarcher(VoxelType::float32), withCopy(48));
 }
 
 TEST(RefinedSegments, InTheServersOwnViewNothingDisagrees) {
@@ -139,19 +130,21 @@ TEST(RefinedSegments, PixelsDisagreeByTheirLargestDifference) {
   EXPECT_FLOAT_EQ(views.disagreement(left), 0.7f);
 }
 
-/// Parts of a ray that follow each other have each of its samples once.
+/// Parts of a ray that follow each other have each of its samples once, and each of its surfaces.
 TEST(ProxyMarch, PartsAreTheWhole) {
   const MarcherPtr marcher = lumpMarcher();
-  for (const float shading : {0.0f, 1.0f})
+  for (const RenderMode mode : {RenderMode::composite, RenderMode::isosurface})
     for (const bool isCut : {false, true}) {
-      MarchSettings settings = withCopy(20, shading);
+      MarchSettings settings = withCopy(20, isCut ? 1.0f : 0.0f);
       settings.render.terminateEarly = false;
+      settings.render.effects.mode = mode;
+      settings.render.effects.isoValues = parseIsoValues("45@0.5", "it");
       if (isCut) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
       const SampleFrame frame = marcher->march(kLumpServer, settings);
       ProxyFill fill;
       std::mt19937 random(5);
       std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-      int met = 0;
+      int met = 0, otherwise = 0;
       fill.visit(frame.proxy, frame.settings.render, kLumpServer, [&](const auto& march, const auto&) {
         const PixelGrid pixels = makePixelGrid(kLumpServer, depthRangeOf(kLumpServer, march.clip.bounds).nearDepth);
         for (uint32_t pixel = 0; pixel < 160 * 120; pixel += 37) {
@@ -167,12 +160,18 @@ TEST(ProxyMarch, PartsAreTheWhole) {
             color += through * glm::dvec3(part.color);
             through *= part.transmittance;
           }
-          EXPECT_NEAR(through, whole.transmittance, 1e-5);
-          for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(color[channel], whole.color[channel], 1e-5);
+          const double off = std::abs(through - whole.transmittance) + glm::length(color - glm::dvec3(whole.color));
+          // A surface that is crossed twice between two samples is not seen: there parts have other samples.
+          if (mode == RenderMode::isosurface && off > 1e-4) {
+            ++otherwise;
+            continue;
+          }
+          EXPECT_LT(off, 1e-5);
           met += whole.transmittance < 0.9;
         }
       });
-      EXPECT_GT(met, 15);
+      EXPECT_GT(met, 8);
+      EXPECT_LE(otherwise, met / 4);
     }
 }
 
@@ -196,6 +195,8 @@ TEST(Lattice, SamplesFromAPlaceOn) {
   EXPECT_EQ(lattice.firstFrom(4.5f), 2);  // where one lies
   EXPECT_EQ(lattice.firstFrom(4.6f), 3);
   EXPECT_EQ(makeLattice({}, 1.0f).firstFrom(0.0f), 0);
+  // As many steps as there may be, and far more.
+  EXPECT_EQ(makeLattice({0.0f, 1e30f}, 1e-3f).firstFrom(9e29f), kMaxSamplesPerRay);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "marcher_cases.h"
@@ -28,7 +30,7 @@ Found walk(const SampleFrame& frame, const Ray& ray, float tNear, float tFar, bo
   built.build(frame);
   Found found;
   float last = tNear;
-  const auto note = [&](WalkedRay&, float from, float to, bool /*isGuess*/) {
+  const auto note = [&](WalkedRay&, float from, float to, FillReason) {
     EXPECT_GE(from, last - 1e-4f);  // front to back
     EXPECT_LE(from, to);
     last = to;
@@ -142,7 +144,7 @@ TEST(SegmentWalk, AFrameOfOnePixel) {
 
 /// A walk that is interrupted where nothing is known, and goes on from there: the same bits.
 TEST(SegmentWalk, InTwoPartsItIsTheSame) {
-  int inTwo = 0;
+  int inTwo = 0, doubted = 0;  // the latter: of walks whose first interruption was by a doubt
   for (uint32_t seed = 30; seed < 34; ++seed) {
     BuiltSegmentField built;
     built.build(randomFrame(kServer, seed));
@@ -155,14 +157,22 @@ TEST(SegmentWalk, InTwoPartsItIsTheSame) {
           const Ray ray = pixels.ray(x, y).ray;
           const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
           if (inside.isMiss()) continue;
-          const auto fill = [](WalkedRay& walked, float from, float to, bool isGuess) { walked.fill({glm::dvec3(0.02f * (to - from), 0.1f, from), isGuess ? 0.8 : 0.5}, isGuess); };
+          std::vector<std::tuple<float, float, FillReason>> fills;
+          const auto fill = [&](WalkedRay& walked, float from, float to, FillReason reason) {
+            fills.emplace_back(from, to, reason);
+            walked.fill({glm::dvec3(0.02f * (to - from), 0.1f, from), reason == FillReason::unknown ? 0.8 : 0.5}, reason);
+          };
           const auto expectSame = [&]<Between kBetween>(std::integral_constant<Between, kBetween>) {
             constexpr float kStopBelow = 0.01f;
             const WalkedRay expected = walkSegments<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, fill);
+            const auto ofOne = std::exchange(fills, {});
             InterruptedWalk walk;
             const bool isAll = walkKnown<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk);
             const WalkedRay walked = isAll ? walk.walked : walkRest<kBetween>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk, fill);
             inTwo += !isAll && walk.place.x >= 0;
+            doubted += !isAll && walk.place.x >= 0 && !fills.empty() && std::get<FillReason>(fills.front()) == FillReason::doubted;
+            ASSERT_EQ(fills, ofOne);
+            fills.clear();
             ASSERT_EQ(walked.seen(), expected.seen()) << x << ", " << y;
             ASSERT_EQ(walked.guessed, expected.guessed);
           };
@@ -171,6 +181,7 @@ TEST(SegmentWalk, InTwoPartsItIsTheSame) {
     }
   }
   EXPECT_GT(inTwo, 500);
+  EXPECT_GT(doubted, 100);
 }
 
 TEST(SegmentWalk, WhatFillsNothingChangesNothing) {
@@ -186,7 +197,7 @@ TEST(SegmentWalk, WhatFillsNothingChangesNothing) {
       const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
       if (inside.isMiss()) continue;
       const WalkedRay alone = walkSegments<Between::linear>(built.field(), ray, inside.tNear, inside.tFar, 0.0f);
-      const WalkedRay other = walkSegments<Between::linear>(built.field(), ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float, float, bool) { ++filled; });
+      const WalkedRay other = walkSegments<Between::linear>(built.field(), ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float, float, FillReason) { ++filled; });
       EXPECT_EQ(other.through, alone.through) << x << ", " << y;
       EXPECT_EQ(other.color, alone.color) << x << ", " << y;
     }

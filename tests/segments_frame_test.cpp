@@ -155,7 +155,6 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
           ASSERT_TRUE(back.proxy);
           EXPECT_EQ(back.proxy->function, frame.proxy->function);
           EXPECT_EQ(back.proxy->scale, frame.proxy->scale);
-          EXPECT_EQ(back.proxy->hasAllVoxels, frame.proxy->hasAllVoxels);
           EXPECT_EQ(back.proxy->isExact, frame.proxy->isExact);
           EXPECT_EQ(back.proxy->volume->bounds().upper, frame.proxy->volume->bounds().upper);
           EXPECT_TRUE(std::equal(back.proxy->volume->voxelsAs<uint8_t>(), back.proxy->volume->voxelsAs<uint8_t>() + back.proxy->volume->voxelCount(),
@@ -183,6 +182,25 @@ TEST(SegmentCodec, JpegKeepsDepthsAndOpacities) {
   EXPECT_EQ(back.segments.depths, frame.segments.depths);
   ASSERT_EQ(back.segments.colors.size(), frame.segments.colors.size());
   for (size_t i = 0; i < back.segments.colors.size(); ++i) EXPECT_EQ(back.segments.colors[i] >> 24, frame.segments.colors[i] >> 24);
+}
+
+TEST(SegmentCodec, CopiesAreWhatTheySayTheyAre) {
+  for (const auto& [type, longest, isExact] : {std::tuple(VoxelType::uint8, 48, true), {VoxelType::uint8, 24, false}, {VoxelType::float32, 48, false}}) {
+    const Proxy copy = makeProxy(*makeTestVolume(type, kDims, blobs(kDims, 11)), colorful(0.5f), longest, CopyFilter::leastSquares);
+    ByteVector bytes;
+    appendProxy(bytes, copy);
+    ProxyPtr back;
+    ASSERT_EQ(takeProxy(bytes, longest, back), std::nullopt);
+    EXPECT_EQ(back->isExact, isExact);
+    // Behind dimensions, geometry and the codes' scale. What has steps that are not whole is not exact, whatever is said, and nothing else may be said.
+    constexpr size_t kFacts = 3 * 4 + 18 * 8;
+    ASSERT_EQ(bytes[kFacts], std::byte{static_cast<uint8_t>(isExact ? 2 : 0)});
+    for (const uint8_t said : {2, 3, 4, 255}) {
+      bytes[kFacts] = std::byte{said};
+      const DecodeError error = takeProxy(bytes, longest, back);
+      EXPECT_EQ(error.has_value(), said != 2 || copy.scale.perCode != 1.0) << static_cast<int>(said);
+    }
+  }
 }
 
 TEST(SegmentCodec, DamageIsFoundAndNothingIsTakenOnTrust) {

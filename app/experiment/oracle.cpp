@@ -109,7 +109,7 @@ WarpedImage Oracle::perfectlyWarped(const Camera& camera, const std::stop_token&
         const RayLight light = march(ray, known, t, seen.through);
         seen.pass(glm::vec3(light.color), 1.0f, static_cast<float>(1.0 - light.transmittance));
       };
-      walkSegments<Between::nearest>(field, ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float from, float to, bool /*isGuess*/) {
+      walkSegments<Between::nearest>(field, ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float from, float to, FillReason) {
         if (from > known) marchTo(from);
         known = to;
       });

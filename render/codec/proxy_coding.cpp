@@ -13,8 +13,8 @@ namespace {
 
 constexpr uint64_t kProxyHeadBytes = 3 * 4 + (3 + 3 + 9 + 1 + 2) * 8 + 1 + 4, kPointBytes = 8 + 4 * 4;
 
-/// What is true of a copy, in a byte.
-constexpr uint8_t kHasMissing = 1, kHasAllVoxels = 2, kIsExact = 4, kFacts = kHasMissing | kHasAllVoxels | kIsExact;
+/// What is true of a copy, in a byte: one of them, or nothing.
+constexpr uint8_t kHasMissing = 1, kIsExact = 2;
 
 void appendDouble(ByteVector& out, double value) { appendLittle(out, std::bit_cast<uint64_t>(value)); }
 void appendFloat(ByteVector& out, float value) { appendLittle(out, std::bit_cast<uint32_t>(value)); }
@@ -47,7 +47,7 @@ void appendProxy(ByteVector& out, const Proxy& proxy) {
   appendDouble(out, geometry.unit());
   appendDouble(out, scale.lowest);
   appendDouble(out, scale.perCode);
-  appendLittle(out, static_cast<uint8_t>((scale.hasMissing ? kHasMissing : 0) | (proxy.hasAllVoxels ? kHasAllVoxels : 0) | (proxy.isExact ? kIsExact : 0)));
+  appendLittle(out, static_cast<uint8_t>((scale.hasMissing ? kHasMissing : 0) | (proxy.isExact ? kIsExact : 0)));
   appendLittle(out, static_cast<uint32_t>(function.points.size()));
   for (const TransferPoint& point : function.points) {
     appendDouble(out, point.value);
@@ -77,16 +77,16 @@ DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& o
   proxy.scale.lowest = takeDouble(reader);
   proxy.scale.perCode = takeDouble(reader);
   const auto facts = reader.take<uint8_t>();
-  proxy.scale.hasMissing = (facts & kHasMissing) != 0;
-  proxy.hasAllVoxels = (facts & kHasAllVoxels) != 0;
-  proxy.isExact = (facts & kIsExact) != 0;
+  proxy.scale.hasMissing = facts == kHasMissing;
+  proxy.isExact = facts == kIsExact;
   const auto pointCount = reader.take<uint32_t>();
   if (reader.ranOut()) return "the volume's copy ends within its head";
   for (int axis = 0; axis < 3; ++axis)
     if (geometry.dims[axis] > static_cast<uint32_t>(longest)) return "the volume's copy is larger than was asked for";
   if (!(geometry.unitEdge > 0.0) || !std::isfinite(geometry.unitEdge) || !(proxy.scale.perCode > 0.0) || !std::isfinite(proxy.scale.perCode) ||
-      !std::isfinite(proxy.scale.lowest) || facts > kFacts)
+      !std::isfinite(proxy.scale.lowest))
     return "the volume's copy has numbers that are none";
+  if (facts > kIsExact || (proxy.isExact && proxy.scale.perCode != 1.0)) return "the volume's copy is said to be what it cannot be";
   if (pointCount == 0 || pointCount > kMostFunctionPoints || reader.left() < pointCount * kPointBytes) return "the transfer function of the volume's copy is damaged";
   TransferFunction& function = proxy.function;
   for (uint32_t i = 0; i < pointCount; ++i) {

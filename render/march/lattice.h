@@ -33,7 +33,8 @@ struct RayLattice {
   WARPSCOPE_HD int firstFrom(float behind) const {
     if (!(behind < t0 + length)) return count;
     const float steps = std::ceil((behind - t0) / dt - 0.5f);
-    return steps > 0.0f ? minOf(static_cast<int>(steps), count) : 0;
+    if (!(steps > 0.0f)) return 0;
+    return steps < static_cast<float>(count) ? static_cast<int>(steps) : count;
   }
   WARPSCOPE_HD float t(int i) const {
     return i + 1 < count ? tOfWholeStep(i) : t0 + (length - 0.5f * stepLength(i));

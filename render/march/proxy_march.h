@@ -44,13 +44,15 @@ struct ProxyMarch {
   float step = 1.0f;
   bool isClipped = false;
 
-  /// What the part [tNear, tFar] of the ray sends and lets through, behind what lets `through` pass: those of the whole ray's samples that lie in it.
+  /// What the part [tNear, tFar] of the ray sends and lets through, behind what lets `through` pass: those of the whole ray's samples that lie in it; of surfaces, which lie between samples,
+  /// those in it.
   WARPSCOPE_HD RayLight operator()(const Ray& ray, float tNear, float tFar, float through) const {
-    RayInterval interval = intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
+    constexpr bool kHasSurfaces = std::is_same_v<Source, IsosurfaceProxySource>;
+    RayInterval interval = intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, kHasSurfaces ? tNear : 0.0f, kHasSurfaces ? tFar : std::numeric_limits<float>::infinity());
     if (interval.isMiss()) return {};
     if (isClipped) interval = clipped(clip, ray, interval);
     const RayPath path{ray, makeLattice(interval, step)};
-    const int first = path.lattice.firstFrom(tNear), behind = path.lattice.firstFrom(tFar);
+    const int first = kHasSurfaces ? 0 : path.lattice.firstFrom(tNear), behind = kHasSurfaces ? path.lattice.count : path.lattice.firstFrom(tFar);
     if (!(first < behind)) return {};
     RayPiece piece{Transmittance(static_cast<double>(through))};
     const auto march = [&](auto&& source) {

@@ -52,13 +52,12 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
 
   Proxy proxy;
   proxy.function = function;
-  proxy.hasAllVoxels = geometry.dims == fine.dims;
-  const bool isWhole = volume.type() != VoxelType::float32 && volume.type() != VoxelType::float64;
-  proxy.isExact = proxy.hasAllVoxels && isWhole && volume.statistics().highest - volume.statistics().lowest <= 255.0;
+  const bool hasAllVoxels = geometry.dims == fine.dims, isOfWhole = volume.type() != VoxelType::float32 && volume.type() != VoxelType::float64;
+  proxy.isExact = hasAllVoxels && isOfWhole && volume.statistics().nonFinite == 0 && volume.statistics().highest - volume.statistics().lowest <= 255.0;
   const ProxyScale scale = proxy.scale = scaleFor(volume.statistics(), proxy.isExact);
 
   // What has all of the volume's voxels is nearest as it is.
-  const bool isFitted = filter == CopyFilter::leastSquares && !proxy.hasAllVoxels;
+  const bool isFitted = filter == CopyFilter::leastSquares && !hasAllVoxels;
   std::vector<LinearFit> fits;
   GridMeans means;
   for (int axis = 0; axis < 3; ++axis) {
@@ -94,20 +93,6 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const void* const data = voxels->data();
   proxy.volume = std::make_shared<const Volume>(volume.name(), VoxelType::uint8, geometry, std::move(voxels), data, stop);
   return proxy;
-}
-
-float looksLostByRounding(const Proxy& proxy) {
-  if (proxy.isExact) return 0.0f;
-  const auto lookAt = [&](double code) {
-    const glm::vec4 look = proxy.function.at(proxy.scale.lowest + code * proxy.scale.perCode);
-    return glm::vec4(look.a * glm::vec3(look), look.a);
-  };
-  float most = 0.0f;
-  for (int code = 0; code < 255; ++code) {
-    const glm::vec4 own = lookAt(code), between = lookAt(code + 0.5), next = lookAt(code + 1.0);
-    for (int channel = 0; channel < 4; ++channel) most = std::max({most, std::abs(between[channel] - own[channel]), std::abs(next[channel] - between[channel])});
-  }
-  return most;
 }
 
 TransferFunction functionOfCodes(const Proxy& proxy) {

@@ -22,8 +22,7 @@ struct Proxy {
   VolumePtr volume;  ///< of 8 bits
   ProxyScale scale;
   TransferFunction function;  ///< of the values that codes stand for
-  bool hasAllVoxels = false;  ///< one for each of the volume's
-  bool isExact = false;       ///< each of them is a voxel's value as it is
+  bool isExact = false;       ///< it has each of the volume's voxels as it is
 
   /// Of its voxels.
   size_t sizeBytes() const { return volume->sizeBytes(); }
@@ -39,9 +38,6 @@ enum class CopyFilter {
 /// The copy has `longest` voxels along the volume's longest edge and as nearly cubic ones as that allows, along no axis more than the volume has. Voxels that
 /// are not finite are left out; where there is no other whose place is in one of the copy's, that has none. Throws OperationCancelled if `stop` is set.
 Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, CopyFilter filter, const std::stop_token& stop = {});
-
-/// By how much, at most, what a value looks like may differ from what it looks like as a code: of a colour times its opacity over one unit of volume space, or of that; 0 where codes are exact.
-float looksLostByRounding(const Proxy& proxy);
 
 /// Its function as one of codes.
 TransferFunction functionOfCodes(const Proxy& proxy);

@@ -5,25 +5,16 @@
 #include <algorithm>
 
 namespace warpscope {
-namespace {
-
-/// What is faithful loses no more: a share of full light or opacity, as pixels may disagree by (pixel_views.h).
-constexpr float kMostLostByRounding = 1.0f / 32;
-
-}  // namespace
-
-bool ProxyFill::showsTheVolume(const ProxyPtr& proxy, const RenderSettings& settings) {
-  take(proxy);
+bool showsTheVolume(const Proxy& proxy, const RenderSettings& settings) {
   const Effects& effects = settings.effects;
   const bool isShadowed = effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f);
   // The greatest value of a ray is not that of its parts.
-  return isFaithful_ && effects.mode != RenderMode::mip && !effects.preIntegration && !isShadowed;
+  return proxy.isExact && effects.mode != RenderMode::mip && !effects.preIntegration && !isShadowed;
 }
 
 void ProxyFill::take(const ProxyPtr& proxy) {
   if (proxy == proxy_) return;
   marched_ = std::make_shared<const MarchedVolume>(proxy->volume, functionOfCodes(*proxy));
-  isFaithful_ = proxy->hasAllVoxels && looksLostByRounding(*proxy) <= kMostLostByRounding;
   proxy_ = proxy;
 }
 

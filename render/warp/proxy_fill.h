@@ -14,13 +14,12 @@
 
 namespace warpscope {
 
+/// Whether what `proxy` has in part of a ray is what pictures of the volume by `settings` have there: values are the volume's, and nothing changes light that a march through a copy does not know.
+bool showsTheVolume(const Proxy& proxy, const RenderSettings& settings);
+
 /// Keeps what pictures of a copy are marched by, from picture to picture. One thread at a time.
 class ProxyFill {
  public:
-  /// Whether what `proxy` has in part of a ray is what pictures of the volume by `settings` have there: it has all voxels, their rounding changes hardly what they look like, and nothing
-  /// changes light that a march through it does not know.
-  bool showsTheVolume(const ProxyPtr& proxy, const RenderSettings& settings);
-
   /// Calls f(march, baked) with the ProxyMarch of `proxy` seen by `camera`, where pictures of the volume are by `settings`, and what it points into.
   template <class F>
   decltype(auto) visit(const ProxyPtr& proxy, const RenderSettings& settings, const Camera& camera, F&& f) {
@@ -67,7 +66,6 @@ class ProxyFill {
 
   ProxyPtr proxy_;
   MarchedVolumePtr marched_;  // of it
-  bool isFaithful_ = false;
 };
 
 }  // namespace warpscope

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<NamedValue<Between>, 3> kBetweens{{
     {Between::nearest, "nearest", "what the nearest pixel has"},
     {Between::linear, "linear", "what the four pixels about it have, blended"},
-    {Between::refined, "refined", "the same; where these disagree what the copy of the volume has, if that has all voxels"},
+    {Between::refined, "refined", "the same; where these disagree the copy of the volume, if that has all voxels as they are"},
 }};
 constexpr auto kBetweenChoices = choicesOf(kBetweens);
 
@@ -34,11 +34,12 @@ constinit const Knob kBetweenKnob{.key = "between",
                                   .phrase = ", {}",
                                   .naming = KnobNaming::unlessDefault};
 
-Between betweenOf(const SampleFrame& frame, const KnobValues& knobs, ProxyFill& fill) {
+bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs) { return frame.proxy && fillOf(kSegmentsWarp, knobs) == Fill::proxy; }
+
+Between betweenOf(const SampleFrame& frame, const KnobValues& knobs) {
   const Between wanted = knobs.choice<Between>(kBetweenKnob);
   if (wanted != Between::refined) return wanted;
-  const bool canRefine = frame.proxy && fillOf(kSegmentsWarp, knobs) == Fill::proxy && fill.showsTheVolume(frame.proxy, frame.settings.render);
-  return canRefine ? Between::refined : Between::linear;
+  return isFilledFromCopy(frame, knobs) && showsTheVolume(*frame.proxy, frame.settings.render) ? Between::refined : Between::linear;
 }
 
 namespace {
@@ -57,7 +58,7 @@ class SegmentsWarp final : public Warp {
     image.color.resize(camera.width, camera.height);
     if (!frame_ || frame_->segments.empty()) return;
     built_.relight(*frame_, camera);
-    visitBetween(betweenOf(*frame_, settings.knobs, fill_), [&](auto between) { drawRays<between()>(camera, settings, image, stop); });
+    visitBetween(betweenOf(*frame_, settings.knobs), [&](auto between) { drawRays<between()>(camera, settings, image, stop); });
   }
 
  private:
@@ -73,10 +74,10 @@ class SegmentsWarp final : public Warp {
             image.samples(x, y) = walked.id();
           });
     };
-    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walkRays([](const RayPacket& /*rays*/) { return nullptr; });
+    if (!isFilledFromCopy(*frame_, settings.knobs)) return walkRays([](const RayPacket& /*rays*/) { return nullptr; });
     fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
       walkRays([&](const RayPacket& rays) {
-        return [&](int lane, WalkedRay& walked, float tNear, float tFar, bool isGuess) { walked.fill(march(rays.ray(lane), tNear, tFar, walked.through), isGuess); };
+        return [&](int lane, WalkedRay& walked, float tNear, float tFar, FillReason reason) { walked.fill(march(rays.ray(lane), tNear, tFar, walked.through), reason); };
       });
     });
   }

@@ -9,10 +9,10 @@ namespace warpscope {
 
 extern const Knob kBetweenKnob;
 
-class ProxyFill;
-
-/// What lies between the rays of a frame with segments in a picture with those knobs: nothing is refined that the frame's copy does not fill, or does not show as the volume is.
-Between betweenOf(const SampleFrame& frame, const KnobValues& knobs, ProxyFill& fill);
+/// Whether what a frame with segments does not know comes from its copy of the volume in a picture with those knobs.
+bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs);
+/// What lies between its rays then: nothing is refined that the copy does not fill, or does not show as the volume is.
+Between betweenOf(const SampleFrame& frame, const KnobValues& knobs);
 
 extern const WarpDescriptor kSegmentsWarp;
 

@@ -7,7 +7,6 @@
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/warp/device/device_proxy.h"
 #include "render/warp/device/device_warp.h"
-#include "render/warp/fill.h"
 #include "render/warp/proxy_fill.h"
 #include "render/warp/segments/device_segment_field.h"
 #include "render/warp/segments/segment_walk.h"
@@ -95,8 +94,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
     const Ray ray = picture.pixels.ray(i % picture.width, i / picture.width).ray;
     const RayInterval inside = partInside(picture.bounds, ray);
     store(out, i,
-          walkRest<kBetween>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar, bool isGuess) {
-            walked.fill(lightOfPiece(march, ray, tNear, tFar, walked.through), isGuess);
+          walkRest<kBetween>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar, FillReason reason) {
+            walked.fill(lightOfPiece(march, ray, tNear, tFar, walked.through), reason);
           }));
   }
 }
@@ -122,15 +121,15 @@ class CudaSegmentsWarp final : public DeviceWarp {
     picture.width = camera.width;
     picture.height = camera.height;
     picture.stopBelow = limitsOf(head.settings.render).stopBelow;
-    visitBetween(betweenOf(head, settings.knobs, fill_), [&](auto between) { walk<between()>(picture, camera, settings, pixels, stream); });
+    visitBetween(betweenOf(head, settings.knobs), [&](auto between) { walk<between()>(picture, camera, settings, pixels, stream); });
   }
 
   template <Between kBetween>
   void walk(const Picture& picture, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) {
     const SampleFrame& head = field_.head();
     const dim3 grid = walkGrid(camera.width, camera.height);
-    if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
-      walkPixels<kBetween><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
+    if (!isFilledFromCopy(head, settings.knobs)) {
+      walkPixels<unfilled(kBetween)><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
       return;
     }

@@ -2,6 +2,9 @@
 // Mirrors render/march/device_segments.h.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <utility>
+
 #include "render/cuda/devices.h"
 #include "render/warp/segments_warp.h"
 #include "tests/gpu/march_pairs.h"
@@ -57,15 +60,18 @@ TEST(SegmentsOnDevice, OfNothingAndOfRaysThatDoNotEnd) {
   Pair(scene).expectSame(makeCamera(scene, scene.views.front(), 90, 70), settings);
 }
 
-/// Walks and light, with the copy of the volume and without, on frames of both.
+/// Walks and light, with a coarse copy of the volume, with all of it and without, on frames of both.
 TEST(SegmentsOnDevice, PicturesAreTheCpusBitForBit) {
   WARPSCOPE_NEEDS_GPU();
+  int refined = 0;  // pictures that are not as blended ones
   for (const BuiltinScene& builtin : builtinScenes()) {
     const Scene scene = smallScene(builtin.name, 96);
     const Pair pair(scene);
-    for (const int proxy : {0, 32, 96})
+    for (const auto& [proxy, mode] : {std::pair(0, RenderMode::composite), {32, RenderMode::composite}, {96, RenderMode::composite}, {96, RenderMode::isosurface}})
       for (const float shading : {0.0f, 1.0f}) {
         MarchSettings settings = scene.march;
+        settings.render.effects.mode = mode;
+        settings.render.effects.isoValues = parseIsoValues("110", "it");
         settings.sample.segments = 4;
         settings.sample.proxy = proxy;
         settings.render.effects.shading.strength = shading;
@@ -74,23 +80,27 @@ TEST(SegmentsOnDevice, PicturesAreTheCpusBitForBit) {
         const std::unique_ptr<Warp> onCpu = findWarp("segments").make(resources);
         resources.backend = Backend::cuda;
         const std::unique_ptr<Warp> onDevice = findWarp("segments").make(resources);
+        std::map<float, WarpedImage> blended;
         for (const Between between : {Between::nearest, Between::linear, Between::refined}) {
           WarpSettings drawn;
           drawn.knobs.set(kBetweenKnob, between);
           onCpu->setFrame(frame, drawn);
           onDevice->setFrame(frame, drawn);
           for (const View& view : scene.views) {
-            SCOPED_TRACE(::testing::Message() << builtin.name << ", copy " << proxy << ", shading " << shading << ", between " << static_cast<int>(between) << ", " << view.angleDeg);
+            SCOPED_TRACE(::testing::Message() << builtin.name << ", copy " << proxy << ", mode " << static_cast<int>(mode) << ", shading " << shading << ", between " << static_cast<int>(between) << ", " << view.angleDeg);
             const Camera camera = makeCamera(scene, view, 203, 157);
             WarpedImage expected, actual;
             onCpu->draw(camera, drawn, expected);
             onDevice->draw(camera, drawn, actual);
             EXPECT_EQ(expected.samples, actual.samples);
             EXPECT_TRUE(sameBits(expected.color, actual.color));
+            if (between == Between::refined) refined += !sameBits(expected.color, blended[view.angleDeg].color);
+            if (between == Between::linear) blended[view.angleDeg] = std::move(expected);
           }
         }
       }
   }
+  EXPECT_GT(refined, 20);
 }
 
 }  // namespace

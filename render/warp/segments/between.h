@@ -11,6 +11,9 @@ enum class Between {
   refined,  ///< the same; where they disagree, what the copy of the volume has
 };
 
+/// What it is without a copy.
+constexpr Between unfilled(Between between) { return between == Between::refined ? Between::linear : between; }
+
 constexpr bool blends(Between between) { return between != Between::nearest; }
 
 /// Calls f(constant) with `between` as a constant of the compiler's.

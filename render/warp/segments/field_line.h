@@ -9,6 +9,7 @@
 
 #include "render/core/box.h"
 #include "render/core/ray.h"
+#include "render/warp/segments/fill_reason.h"
 #include "render/warp/segments/segment_field.h"
 
 namespace warpscope {
@@ -133,15 +134,15 @@ WARPSCOPE_HD inline WalkPlace beginOfWalk(const SegmentField& field, const Field
           minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dy, line.y0)), 0), lastRow)};
 }
 
-/// A part of a line that is to be filled: of which nothing is known, as long as there are, or (`isDoubted`) of which a cell's pixels say different things; s.
-struct UnknownPiece {
+/// A part of a line that is to be filled, of what is unknown as long as there are; s.
+struct PieceToFill {
   float begin = 0.0f, end = 0.0f;
-  bool isDoubted = false;
+  FillReason reason = FillReason::unknown;
 
   WARPSCOPE_HD bool isAny() const { return begin < end; }
 };
 
-/// What walks do where nothing is known.
+/// What walks do where nothing is known, or pixels are doubted.
 enum class AtUnknown { stop, stopBehind, goOn };
 
 }  // namespace warpscope

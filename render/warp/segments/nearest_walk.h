@@ -22,7 +22,7 @@ WARPSCOPE_HD inline uint32_t firstBit(uint32_t bits, bool fromLowest) {
 
 /// walkOn() of segment_walk.h without blending.
 template <AtUnknown kAtUnknown, class Walked>
-[[gnu::flatten]] WARPSCOPE_HD inline bool walkNearest(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
+[[gnu::flatten]] WARPSCOPE_HD inline bool walkNearest(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, PieceToFill& piece) {
   float unknownFrom = kNowhereOnLine;  // s; kNowhereOnLine: what came last was known
 
   constexpr float kInfinity = std::numeric_limits<float>::infinity();

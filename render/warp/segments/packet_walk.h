@@ -27,7 +27,7 @@ struct alignas(64) WalkedPacket {
 template <Between kBetween, bool kIsRising, class Fill>
 class PacketWalk {
  public:
-  /// `isWalked`: 1 for lines that are, else 0. `fill(lane, begin, end, isGuess)`: passes to that lane of `walked` a part of its line, as walkRest()'s does; s. nullptr:
+  /// `isWalked`: 1 for lines that are, else 0. `fill(lane, begin, end, reason)`: passes to that lane of `walked` a part of its line, as walkRest()'s does; s. nullptr:
   /// there is nothing where nothing is known.
   PacketWalk(const SegmentField& field, const PacketLines& lines, const float (&isWalked)[kBatchLanes], float stopBelow, WalkedPacket& walked, const Fill& fill)
       : field_(field), stopBelow_(stopBelow), fill_(fill), walked_(walked) {
@@ -89,8 +89,10 @@ class PacketWalk {
   /// Of a cell of which something has been known all along, as in walkBlended(): where and as what it began.
   struct Stretch {
     M isAny = M(false);
-    F s, red, green, blue, through;
+    F s = F(0.0f), red = F(0.0f), green = F(0.0f), blue = F(0.0f), through = F(0.0f);
     PixelViews<F> views;
+
+    Stretch() { views.clear(); }
   };
 
   static F loaded(const float (&numbers)[kBatchLanes]) { return F::load_aligned(numbers); }
@@ -120,24 +122,27 @@ class PacketWalk {
   }
 
   /// The walks of `which` go on from where they are as they began, having passed what is between.
-  void fillBetween(const M& which, const F& begin, const F& end, bool isGuess) {
+  void fillBetween(const M& which, const F& begin, const F& end, FillReason reason) {
     if constexpr (kFills) {
       alignas(64) float from[kBatchLanes], to[kBatchLanes];
       begin.store_aligned(from), end.store_aligned(to);
       store();
       for (uint32_t bits = bitsOf(which); bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
-        if (from[lane] < to[lane]) fill_(lane, from[lane], to[lane], isGuess);
+        if (from[lane] < to[lane]) fill_(lane, from[lane], to[lane], reason);
       }
       load();
     }
   }
   void fillUnknown(const M& which, const F& end) {
-    fillBetween(which, unknownFrom_, end, true);
+    fillBetween(which, unknownFrom_, end, FillReason::unknown);
     unknownFrom_ = selected(which, F(kNowhereOnLine), unknownFrom_);
   }
   void interrupt(const M& which) {
     fillUnknown(which, s_);
+    goOnAnew(which);
+  }
+  void goOnAnew(const M& which) {
     active_ = active_ & !(which & (through_ < F(stopBelow_)));
     shift_ = chosen(which, I(kTopShift), shift_);
     keptX_ = keptX_ & !which, keptY_ = keptY_ & !which;
@@ -327,14 +332,15 @@ class PacketWalk {
     }
     stretch.isAny = stretch.isAny | which;
   }
-  /// Those of `which` whose stretches, which end there, are doubted and have been filled.
+  /// Those of `which` whose stretches, which end there, are doubted and have been filled. Their walks go on from there as they began.
   M fillDoubted(const M& which, const F& end, const F (&left)[kPixels], const Stretch& stretch) {
     if (!xsimd::any(which)) return which;
     const M doubted = which & (stretch.views.disagreement(left) * stretch.through > F(kMostDisagreement));
     if (!xsimd::any(doubted)) return doubted;
     red_ = selected(doubted, stretch.red, red_), green_ = selected(doubted, stretch.green, green_), blue_ = selected(doubted, stretch.blue, blue_);
     through_ = selected(doubted, stretch.through, through_);
-    fillBetween(doubted, stretch.s, end, false);
+    fillBetween(doubted, stretch.s, end, FillReason::doubted);
+    goOnAnew(doubted);
     return doubted;
   }
 
@@ -370,9 +376,7 @@ class PacketWalk {
       }
       const M isUnknown = known < F(kLeastKnown);
       if constexpr (kChecks) {
-        const M doubted = fillDoubted(piecing & isUnknown & stretch.isAny, s_, left, stretch), filledUp = doubted & (through_ < F(stopBelow_));
-        active_ = active_ & !filledUp;
-        piecing = piecing & !filledUp;
+        piecing = piecing & !fillDoubted(piecing & isUnknown & stretch.isAny, s_, left, stretch);
         stretch.isAny = stretch.isAny & !isUnknown;
       }
       if constexpr (kFills) {
@@ -389,13 +393,12 @@ class PacketWalk {
         pass(passing, weights, spaceBy_ * share, divisorAt(s_) * divisorAt(to), left, stretch);
       }
       s_ = selected(piecing, to, s_);
-      M stopped = piecing & (through_ < F(stopBelow_));
       if constexpr (kChecks) {
-        const M doubted = fillDoubted((stopped | (piecing & isLast)) & stretch.isAny, out_, left, stretch);
-        stopped = (stopped & !doubted) | (doubted & (through_ < F(stopBelow_)));
-        leaving = leaving | (doubted & !stopped);
+        const M doubted = fillDoubted(piecing & ((through_ < F(stopBelow_)) | isLast) & stretch.isAny, out_, left, stretch);
+        s_ = selected(doubted, out_, s_), depth_ = selected(doubted, depthOut_, depth_);
         piecing = piecing & !doubted;
       }
+      const M stopped = piecing & (through_ < F(stopBelow_));
       active_ = active_ & !stopped;
       piecing = piecing & !stopped;
       leaving = leaving | (piecing & isLast);
@@ -431,7 +434,7 @@ class PacketWalk {
 };
 
 /// walkSegments() of rays side by side, as many as a vector has lanes. Of each its part is walked; none where that is a miss. `fill(lane, walked, tNear,
-/// tFar, isGuess)`, or nullptr. `walked`: as it begins. The field's tiles lie in one array, level after level, as BuiltSegmentField's do.
+/// tFar, reason)`, or nullptr. `walked`: as it begins. The field's tiles lie in one array, level after level, as BuiltSegmentField's do.
 template <Between kBetween, class Fill>
 void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelow, WalkedRay (&walked)[kBatchLanes], const Fill& fill) {
   constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
@@ -442,7 +445,7 @@ void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelo
   bool anyRises = false, anyFalls = false;
   const auto fillRay = [&](int lane, float tNear, float tFar) {
     if constexpr (kFills)
-      if (tNear < tFar && !(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar, true);
+      if (tNear < tFar && !(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar, FillReason::unknown);
   };
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     const bool isLine = lines.isLine(lane);
@@ -459,9 +462,9 @@ void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelo
     if (anyFalls) PacketWalk<kBetween, false, FillPiece>(field, lines, falls, stopBelow, colors, fillPiece).run();
   };
   if constexpr (kFills) {
-    walk([&](int lane, float begin, float end, bool isGuess) {
+    walk([&](int lane, float begin, float end, FillReason reason) {
       WalkedRay ray = colors.ray(lane);
-      fill(lane, ray, lines.tAt(lane, begin), lines.tAt(lane, end), isGuess);
+      fill(lane, ray, lines.tAt(lane, begin), lines.tAt(lane, end), reason);
       colors.set(lane, ray);
     });
   } else {

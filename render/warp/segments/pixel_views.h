@@ -5,8 +5,7 @@
 
 namespace warpscope {
 
-/// By how much of full light or opacity what pixels show of the same may differ that are taken to continue each other. Half as much is 4 dB nearer to the volume at 1 degree, and fills a tenth more pixels:
-/// tests/bench.
+/// By how much of full light or opacity, behind what is in front, pixels may differ in what they show that are taken to continue each other. What other limits are worth: tests/bench.
 inline constexpr float kMostDisagreement = 1.0f / 16;
 
 /// What each of four pixels shows of a stretch, as if a ray kept to it. `Number`: float, or a vector of as many rays as it has lanes.

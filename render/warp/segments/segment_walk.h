@@ -6,6 +6,9 @@
 // that is in something dense and one that is not is as wide on the one side as on the other, where means of extinction move it outwards; and a ray that keeps its place between the four sees
 // their colours interpolated. As it goes on within a cell, of those that would have been stopped by now less is left, and each weighs by that (Bayes), until the cell or what is known ends. That is
 // right as far as a ray keeps its place between pixels, which it does at small angles; at others it is an approximation that measures better than blended extinction (tests/bench).
+//
+// What the four show of a stretch of a cell may be so different that their mean is none of what a ray can meet: there is an outline between them. Where a copy of the volume with all of its voxels came
+// with the frame, such stretches are taken from it (Between::refined): of the frame is what it sampled well enough.
 #pragma once
 
 #include "render/core/opacity.h"
@@ -68,7 +71,7 @@ inline constexpr float kLeastKnown = 1.0f / 64;
 
 /// walkOn() where pixels are blended. `kIsRefined`: where those about a cell disagree by more than kMostDisagreement of what a stretch of it shows, that is filled as what is not known is.
 template <bool kIsRefined, AtUnknown kAtUnknown>
-[[gnu::flatten]] WARPSCOPE_HD inline bool walkBlended(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
+[[gnu::flatten]] WARPSCOPE_HD inline bool walkBlended(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, PieceToFill& piece) {
   float unknownFrom = kNowhereOnLine;  // s; kNowhereOnLine: what came last was known
 
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -104,7 +107,7 @@ template <bool kIsRefined, AtUnknown kAtUnknown>
   const auto isDoubted = [&] {
     if (!kChecks || stretch.x < 0 || !(views.disagreement(left) * before.through > kMostDisagreement)) return false;
     walked = before;
-    piece = {stretch.s, s, true};
+    piece = {stretch.s, s, FillReason::doubted};
     place = kAtUnknown == AtUnknown::stop ? stretch : WalkPlace{s, depth, x, y};
     return true;
   };
@@ -255,20 +258,20 @@ template <bool kIsRefined, AtUnknown kAtUnknown>
 }
 
 /// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
-/// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
-/// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
-/// `kBetween`: blended is of those pixels that know; nearest, each pixel's is the same all over its frustum. Refined, what pixels disagree about is as if it was not known.
+/// place of which nothing is known or that is doubted, `walked` being what was met in front of it (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not
+/// known or doubted, for stopBehind. Another walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
+/// `kBetween`: blended is of those pixels that know; nearest, each pixel's is the same all over its frustum. Refined, what pixels disagree about is doubted, but for goOn.
 /// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
 template <Between kBetween, AtUnknown kAtUnknown, class Walked>
-WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
+WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, PieceToFill& piece) {
   if constexpr (blends(kBetween))
     return walkBlended<kBetween == Between::refined, kAtUnknown>(field, line, stopBelow, place, walked, piece);
   else
     return walkNearest<kAtUnknown>(field, line, stopBelow, place, walked, piece);
 }
 
-/// A walk of a ray in two parts: what the frame knows without an interruption, and the rest. For devices, where few rays need the rest and registers for it would
-/// slow down all.
+/// A walk of a ray in two parts: what the frame knows without an interruption, and the rest. For devices, where few rays need the rest (refined, up to most)
+/// and registers for it would slow down all.
 struct InterruptedWalk {
   WalkPlace place{.x = -1};  ///< x < 0: nothing has been walked
   WalkedRay walked;
@@ -282,32 +285,32 @@ WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, fl
   const bool isLine = line.t0 < line.t1;
   if (!isLine || line.t0 > tNear) return false;
   walk.place = beginOfWalk<blends(kBetween)>(field, line);
-  UnknownPiece none;
+  PieceToFill none;
   const bool isWalked = walkOn<kBetween, AtUnknown::stop>(field, line, stopBelow, walk.place, walk.walked, none);
   if (isWalked) walk.place.s = line.end;
   return isWalked && (!(line.t1 < tFar) || walk.walked.through < stopBelow);
 }
 
-/// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar, isGuess)` passes what is not known, or (`isGuess` false) what pixels disagree about.
+/// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar, reason)` passes what is not known or doubted.
 template <Between kBetween, class Fill>
 WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, const InterruptedWalk& walk, Fill&& fill) {
   WalkedRay walked = walk.walked;
   const FieldLine line = makeFieldLine(field, ray, tNear, tFar, blends(kBetween) ? 0.5f : 0.0f);
   if (!(line.t0 < line.t1)) {
-    fill(walked, tNear, tFar, true);
+    fill(walked, tNear, tFar, FillReason::unknown);
     return walked;
   }
   WalkPlace place = walk.place;
   if (place.x < 0) {
-    if (line.t0 > tNear) fill(walked, tNear, line.t0, true);
+    if (line.t0 > tNear) fill(walked, tNear, line.t0, FillReason::unknown);
     place = beginOfWalk<blends(kBetween)>(field, line);
   }
   for (bool isDone = false; !isDone && !(walked.through < stopBelow);) {
-    UnknownPiece piece;
+    PieceToFill piece;
     isDone = walkOn<kBetween, AtUnknown::stopBehind>(field, line, stopBelow, place, walked, piece);
-    if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end), !piece.isDoubted);
+    if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end), piece.reason);
   }
-  if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar, true);
+  if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar, FillReason::unknown);
   return walked;
 }
 
@@ -322,7 +325,7 @@ WARPSCOPE_HD inline void walkThrough(const SegmentField& field, const Ray& ray, 
   if (!(tNear < tFar)) return;
   const FieldLine line = makeFieldLine(field, ray, tNear, tFar, blends(kBetween) ? 0.5f : 0.0f);
   WalkPlace place = beginOfWalk<blends(kBetween)>(field, line);
-  UnknownPiece none;
+  PieceToFill none;
   if (line.t0 < line.t1) walkOn<kBetween, AtUnknown::goOn>(field, line, stopBelow, place, walked, none);
 }
 template <Between kBetween>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/march/ray_state.h"
+#include "render/warp/segments/fill_reason.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -24,10 +25,10 @@ struct WalkedRay {
     pass(itsColor, 1.0f, itsOpacity);
   }
 
-  /// As either of them.
-  WARPSCOPE_HD void fill(const RayLight& light, bool isGuess) {
+  /// What the copy has there.
+  WARPSCOPE_HD void fill(const RayLight& light, FillReason reason) {
     const float opacity = static_cast<float>(1.0 - light.transmittance);
-    if (isGuess)
+    if (reason == FillReason::unknown)
       guess(glm::vec3(light.color), opacity);
     else
       pass(glm::vec3(light.color), 1.0f, opacity);
