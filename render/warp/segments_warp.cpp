@@ -36,10 +36,10 @@ constinit const Knob kBetweenKnob{.key = "between",
 
 bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs) { return frame.proxy && fillOf(kSegmentsWarp, knobs) == Fill::proxy; }
 
-Between betweenOf(const SampleFrame& frame, const KnobValues& knobs) {
+Between betweenOf(const SampleFrame& frame, const Camera& camera, const KnobValues& knobs) {
   const Between wanted = knobs.choice<Between>(kBetweenKnob);
   if (wanted != Between::refined) return wanted;
-  return isFilledFromCopy(frame, knobs) && showsTheVolume(*frame.proxy, frame.settings.render) ? Between::refined : Between::linear;
+  return camera != frame.camera && isFilledFromCopy(frame, knobs) && showsTheVolume(*frame.proxy, frame.settings.render) ? Between::refined : Between::linear;
 }
 
 namespace {
@@ -58,7 +58,7 @@ class SegmentsWarp final : public Warp {
     image.color.resize(camera.width, camera.height);
     if (!frame_ || frame_->segments.empty()) return;
     built_.relight(*frame_, camera);
-    visitBetween(betweenOf(*frame_, settings.knobs), [&](auto between) { drawRays<between()>(camera, settings, image, stop); });
+    visitBetween(betweenOf(*frame_, camera, settings.knobs), [&](auto between) { drawRays<between()>(camera, settings, image, stop); });
   }
 
  private:

@@ -36,9 +36,9 @@ __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay&
   out.samples[i] = walked.id();
 }
 
-/// Of a multiprocessor, that there are registers for, by whether pixels are blended. Measured on an H200 and an H100: more blocks make walks spill, fewer leave loads to wait for.
+/// Of a multiprocessor, that there are registers for. Measured on an H200 and an H100: more blocks make walks spill, fewer leave loads to wait for.
 template <Between kBetween>
-constexpr int kBlocksThatWalk = blends(kBetween) ? 7 : 8;
+constexpr int kBlocksThatWalk = kBetween == Between::refined ? 5 : kBetween == Between::linear ? 7 : 8;
 constexpr int kBlocksThatFill = 4;
 
 /// Warps are tiles of 4 x 8 pixels side by side, because rays that are turned sideways go along the frame's rows, and are alike where they are next to each other on
@@ -121,7 +121,7 @@ class CudaSegmentsWarp final : public DeviceWarp {
     picture.width = camera.width;
     picture.height = camera.height;
     picture.stopBelow = limitsOf(head.settings.render).stopBelow;
-    visitBetween(betweenOf(head, settings.knobs), [&](auto between) { walk<between()>(picture, camera, settings, pixels, stream); });
+    visitBetween(betweenOf(head, camera, settings.knobs), [&](auto between) { walk<between()>(picture, camera, settings, pixels, stream); });
   }
 
   template <Between kBetween>
