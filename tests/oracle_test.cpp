@@ -90,15 +90,15 @@ TEST_F(OracleTest, StoppedOrWithoutSegmentsItKnowsNothing) {
 TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
   const SampleFramePtr frame = stage_.frame(stage_.camera(128, 128), march_);
   const auto whole = std::make_shared<const Proxy>(makeProxy(*stage_.scene().volume, stage_.scene().transferFunction, 40, CopyFilter::leastSquares));
-  double before = 1e9;
+  double before = 0.0;
   for (const double turnDeg : {0.0, 30.0, 180.0}) {
     const Camera camera = stage_.camera(128, 128, turnDeg);
     Image<glm::vec4> reference;
     stage_.marcher().render(camera, march_.render, reference);
     const WarpedImage image = Oracle(frame, whole, glm::vec3(0.0f)).perfectlyWarped(camera, {});
     const double psnr = psnrSrgb(image.color, reference, glm::vec3(0.0f));
-    EXPECT_GT(psnr, turnDeg == 0.0 ? 38.0 : turnDeg == 30.0 ? 20.0 : 5.0) << turnDeg;
-    EXPECT_LT(psnr, before);
+    EXPECT_GT(psnr, turnDeg == 0.0 ? 100.0 : turnDeg == 30.0 ? 20.0 : 5.0) << turnDeg;
+    if (turnDeg > 0.0) EXPECT_LT(psnr, before);
     before = psnr;
     for (size_t i = 0; i < image.samples.size(); ++i) ASSERT_EQ(image.samples[i] == kNoSample, image.color[i].a == 0.0f);
   }
