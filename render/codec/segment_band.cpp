@@ -3,16 +3,35 @@
 #include "render/codec/segment_band.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "render/codec/place_differences.h"
 #include "render/codec/zstd_section.h"
 
 namespace warpscope {
+namespace {
+
+/// Where colours are coded with loss opacities are rounded to every sixth code, but for nearly none and nearly all: by 3/255 of their root, as JPEG rounds colours.
+constexpr uint32_t kOpacityCodes = 6, kLeastRounded = 8, kMostRounded = 249;
+
+/// How large a layer's errors may be as they are seen, against those of a picture of its own; and by how much coarser its colours may be at most, since from another side more of it is seen. What
+/// other numbers are worth: tests/bench.
+constexpr double kSeenError = 0.7, kCoarsest = 5.0;
+
+/// The quality whose steps are so many times as coarse. Libjpeg's scale of its tables, in percent: 5000 / q below 50, else 200 - 2 q.
+int coarser(int quality, double factor) {
+  const double percent = (quality < 50 ? 5000.0 / quality : 200.0 - 2.0 * quality) * factor;
+  return std::clamp(static_cast<int>(std::lround(percent > 100.0 ? 5000.0 / percent : 100.0 - 0.5 * percent)), 1, quality);
+}
+
+}  // namespace
+
 /// Where each ray's segments begin; how many layers there are.
 int SegmentBand::startRays(std::span<const RaySegmentCount> rays) {
   starts_.resize(rays.size());
   ends_.assign(rays.size(), 0);
+  through_.assign(rays.size(), 1.0f);
   int layers = 0;
   uint32_t at = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
@@ -64,7 +83,7 @@ void SegmentBand::pack(const SampleFrame& frame, Placement placement, const Mask
     const std::span<const uint8_t> written = bits.finish();
     appendLittle(out, static_cast<uint32_t>(written.size()));
     appendSection(out, written);
-    colorCoder_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings);
+    colorCoder_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings.color == ColorCoding::jpeg ? lossyColors(settings) : settings);
     if (!segments.normals.empty()) appendNormals(size, out);
   }
 }
@@ -152,6 +171,24 @@ void SegmentBand::takeDepths(size_t size, int layer, BitReader& bits) {
   };
   takeRests(places_, codes_, beginRests_);
   takeRests(endPlaces_, endCodes_, endRests_);
+}
+
+/// Rounds the opacities of the layer, and says how its colours are coded: the coarser the less of them is seen, through the layers in front and by their own opacity.
+CodecSettings SegmentBand::lossyColors(const CodecSettings& settings) {
+  double seen = 0.0;
+  for (size_t k = 0; k < colors_.size(); ++k) {
+    Rgba8& color = colors_[k];
+    const uint32_t code = color >> 24;
+    if (code >= kLeastRounded && code <= kMostRounded) color = (color & 0xffffffu) | (code + kOpacityCodes / 2) / kOpacityCodes * kOpacityCodes << 24;
+    float& through = through_[pixelOf_[k]];
+    const float opacity = segmentOpacity(color), light = through * opacity;
+    seen += static_cast<double>(light) * static_cast<double>(light);
+    through *= 1.0f - opacity;
+  }
+  CodecSettings own = settings;
+  const double mean = colors_.empty() ? 1.0 : std::sqrt(seen / static_cast<double>(colors_.size()));
+  own.jpegQuality = coarser(settings.jpegQuality, std::clamp(kSeenError / std::max(mean, 1e-9), 1.0, kCoarsest));
+  return own;
 }
 
 void SegmentBand::appendNormals(size_t size, ByteVector& out) {

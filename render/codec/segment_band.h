@@ -36,6 +36,7 @@ class SegmentBand {
   template <class F>
   void forEachPlace(size_t size, int layer, const F& f);
   void appendNormals(size_t size, ByteVector& out);
+  CodecSettings lossyColors(const CodecSettings& settings);
   bool takeNormals(ByteReader& reader, size_t size);
 
   BandLayout layout_;
@@ -46,7 +47,8 @@ class SegmentBand {
   TransferVector<uint32_t> pixelOf_;  // of the band, for each segment of the layer
   TransferVector<uint32_t> codes_, endCodes_, likely_;
   TransferVector<int32_t> places_, endPlaces_, fine_;
-  std::vector<int32_t> ends_;  // of the pixel's segment of the layer in front
+  std::vector<int32_t> ends_;    // of the pixel's segment of the layer in front
+  std::vector<float> through_;  // of each pixel, what the layers in front let pass
   TransferVector<Rgba8> colors_;
   TransferVector<NormalCode> normals_;
 };
