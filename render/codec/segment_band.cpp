@@ -15,9 +15,9 @@ namespace {
 /// Where colours are coded with loss opacities are rounded to every sixth code, but for nearly none and nearly all: by 3/255 of their root, as JPEG rounds colours.
 constexpr uint32_t kOpacityCodes = 6, kLeastRounded = 8, kMostRounded = 249;
 
-/// How large a layer's errors may be as they are seen, against those of a picture of its own; and by how much coarser its colours may be at most, since from another side more of it is seen. What
-/// other numbers are worth: tests/bench.
-constexpr double kSeenError = 0.7, kCoarsest = 5.0;
+/// How large a layer's errors may be as they are seen, against those of a picture of its own; all layers' together; and by how much coarser its colours may be at most, since from another side more
+/// of it is seen. What other numbers are worth: tests/bench.
+constexpr double kSeenError = 0.7, kSeenErrors = 1.4, kCoarsest = 5.0;
 
 /// The quality whose steps are so many times as coarse. Libjpeg's scale of its tables, in percent: 5000 / q below 50, else 200 - 2 q.
 int coarser(int quality, double factor) {
@@ -83,7 +83,7 @@ void SegmentBand::pack(const SampleFrame& frame, Placement placement, const Mask
     const std::span<const uint8_t> written = bits.finish();
     appendLittle(out, static_cast<uint32_t>(written.size()));
     appendSection(out, written);
-    colorCoder_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings.color == ColorCoding::jpeg ? lossyColors(settings) : settings);
+    colorCoder_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings.color == ColorCoding::jpeg ? lossyColors(settings, layers) : settings);
     if (!segments.normals.empty()) appendNormals(size, out);
   }
 }
@@ -174,7 +174,7 @@ void SegmentBand::takeDepths(size_t size, int layer, BitReader& bits) {
 }
 
 /// Rounds the opacities of the layer, and says how its colours are coded: the coarser the less of them is seen, through the layers in front and by their own opacity.
-CodecSettings SegmentBand::lossyColors(const CodecSettings& settings) {
+CodecSettings SegmentBand::lossyColors(const CodecSettings& settings, int layers) {
   double seen = 0.0;
   for (size_t k = 0; k < colors_.size(); ++k) {
     Rgba8& color = colors_[k];
@@ -186,8 +186,9 @@ CodecSettings SegmentBand::lossyColors(const CodecSettings& settings) {
     through *= 1.0f - opacity;
   }
   CodecSettings own = settings;
+  const double error = std::min(kSeenErrors / std::sqrt(static_cast<double>(layers)), kSeenError);
   const double mean = colors_.empty() ? 1.0 : std::sqrt(seen / static_cast<double>(colors_.size()));
-  own.jpegQuality = coarser(settings.jpegQuality, std::clamp(kSeenError / std::max(mean, 1e-9), 1.0, kCoarsest));
+  own.jpegQuality = coarser(settings.jpegQuality, std::clamp(error / std::max(mean, 1e-9), 1.0, kCoarsest));
   return own;
 }
 

@@ -36,7 +36,7 @@ class SegmentBand {
   template <class F>
   void forEachPlace(size_t size, int layer, const F& f);
   void appendNormals(size_t size, ByteVector& out);
-  CodecSettings lossyColors(const CodecSettings& settings);
+  CodecSettings lossyColors(const CodecSettings& settings, int layers);
   bool takeNormals(ByteReader& reader, size_t size);
 
   BandLayout layout_;
