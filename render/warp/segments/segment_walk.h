@@ -103,12 +103,12 @@ template <bool kIsRefined, AtUnknown kAtUnknown>
   WalkedRay before;
   PixelViews<float> views;
   float left[4];  // within the stretch, of light that goes along what each pixel has
-  // True where it is to be filled, and the walk interrupted, which goes on at its end.
-  const auto isDoubted = [&] {
+  // True where it, which ends there, is to be filled, and the walk interrupted, which goes on at its end.
+  const auto isDoubted = [&](float end, float depthAtEnd) {
     if (!kChecks || stretch.x < 0 || !(views.disagreement(left) * before.through > kMostDisagreement)) return false;
     walked = before;
-    piece = {stretch.s, s, FillReason::doubted};
-    place = kAtUnknown == AtUnknown::stop ? stretch : WalkPlace{s, depth, x, y};
+    piece = {stretch.s, end, FillReason::doubted};
+    place = kAtUnknown == AtUnknown::stop ? stretch : WalkPlace{end, depthAtEnd, x, y};
     return true;
   };
 
@@ -194,7 +194,7 @@ template <bool kIsRefined, AtUnknown kAtUnknown>
         known += weights[i];
       }
       if (known < kLeastKnown) {
-        if (isDoubted() || beginsUnknown()) return false;
+        if (isDoubted(s, depth) || beginsUnknown()) return false;
         for (float& one : left) one = 1.0f;  // as of a walk that goes on behind it
         stretch.x = -1;
       } else {
@@ -227,15 +227,8 @@ template <bool kIsRefined, AtUnknown kAtUnknown>
       }
       s = to;
       const bool isStopped = walked.through < stopBelow;
-      if (kChecks && (isStopped || isLast)) {
-        // Behind where it is stopped it may not be: up to the end of the cell.
-        const WalkPlace here{s, depth, x, y};
-        s = out;
-        depth = depthOut;
-        if (isDoubted()) return false;
-        s = here.s;
-        depth = here.depth;
-      }
+      // Behind where it is stopped it may not be: up to the end of the cell.
+      if ((isStopped || isLast) && isDoubted(out, depthOut)) return false;
       if (isStopped) return true;
       if (isLast) break;
       depth = until;
