@@ -1,7 +1,8 @@
-// All pairs at once become what one pair after the other does, bit for bit.
-// Mirrors render/march/segment_batch_merger.h.
+// Rays side by side become what each does for itself, bit for bit; so do their codes.
+// Mirrors render/march/segment_batch_merger.h and segment_batch_encoder.h.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -9,7 +10,10 @@
 #include <vector>
 
 #include "made_up_source.h"
+#include "render/core/color_lanes.h"
+#include "render/march/segment_batch_encoder.h"
 #include "render/march/segment_batch_merger.h"
+#include "render/march/segment_encoder.h"
 
 namespace warpscope {
 namespace {
@@ -30,15 +34,15 @@ std::vector<RaySegment> randomRay(std::mt19937& random, const RayLattice& lattic
   return samples;
 }
 
-void expectSame(const SegmentBatchMerger& found, const SegmentMerger& expected, int round) {
-  ASSERT_EQ(found.size(), expected.size()) << round;
-  int i = found.first();
-  for (int j = expected.first(); j != SegmentMerger::kNone; j = expected.behind(j), i = found.behind(i)) {
-    const RaySegment own = found[i], other = expected[j];
-    ASSERT_EQ(std::memcmp(&own, &other, sizeof own), 0) << "round " << round << ", segment " << i << " of " << found.size();
-    ASSERT_EQ(found.placeOf(i), j) << round;
+void expectSame(const SegmentBatchMerger& found, int lane, const SegmentMerger& expected, int round) {
+  ASSERT_EQ(found.size(lane), expected.size()) << round;
+  int i = 0;
+  for (int j = expected.first(); j != SegmentMerger::kNone; j = expected.behind(j), ++i) {
+    const RaySegment own = found.segment(lane, i), other = expected[j];
+    ASSERT_EQ(std::memcmp(&own, &other, sizeof own), 0) << "round " << round << ", lane " << lane << ", segment " << i << " of " << found.size(lane);
+    ASSERT_EQ(found.placeOf(lane, i), j) << round;
   }
-  EXPECT_EQ(i, SegmentBatchMerger::kNone);
+  EXPECT_EQ(i, found.size(lane));
 }
 
 struct SampledRay {
@@ -53,56 +57,111 @@ SampledRay rayOf(int round, std::mt19937& random) {
   return ray;
 }
 
-TEST(SegmentBatchMerger, BecomesWhatOnePairAfterTheOtherDoes) {
+/// So many of them, of which the last batch's may be fewer than there are lanes.
+std::vector<SampledRay> raysOf(int round, std::mt19937& random) {
+  std::vector<SampledRay> rays;
+  const int count = round % 3 == 0 ? 1 + round % SegmentBatchMerger::kRays : SegmentBatchMerger::kRays;
+  for (int lane = 0; lane < count; ++lane) rays.push_back(rayOf(static_cast<int>(random() % 3000), random));
+  return rays;
+}
+
+TEST(SegmentBatchMerger, BecomesWhatEachRayDoesForItself) {
   std::mt19937 random(17);
   int merged = 0;
-  for (int round = 0; round < 3000; ++round) {
-    const SampledRay ray = rayOf(round, random);
-    const int most = 1 + round % 16;
+  for (const int most : {1, 2, 3, 4, 5, 8, 16}) {
     SegmentBatchMerger found(mergerRoomFor(most));
-    SegmentMerger expected(mergerRoomFor(most));
-    for (const RaySegment& sample : ray.samples) {
-      found.add(sample);
-      expected.add(sample);
-      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    for (int round = 0; round < 60; ++round) {
+      const std::vector<SampledRay> rays = raysOf(round, random);
+      const int count = static_cast<int>(rays.size());
+      std::vector<SegmentMerger> expected(rays.size(), SegmentMerger(mergerRoomFor(most)));
+      std::vector<const RayLattice*> lattices;
+      for (int lane = 0; lane < count; ++lane) {
+        const SampledRay& ray = rays[static_cast<size_t>(lane)];
+        SegmentBatchMerger::Ray& own = found.begin(lane);
+        for (const RaySegment& sample : ray.samples) {
+          own.add(sample);
+          expected[static_cast<size_t>(lane)].add(sample);
+        }
+        lattices.push_back(&ray.lattice);
+      }
+      found.merge(count);
+      for (int lane = 0; lane < count; ++lane) ASSERT_NO_FATAL_FAILURE(expectSame(found, lane, expected[static_cast<size_t>(lane)], round));
+      found.finish(most, lattices.data());
+      for (int lane = 0; lane < count; ++lane) {
+        SegmentMerger& other = expected[static_cast<size_t>(lane)];
+        merged += static_cast<int>(rays[static_cast<size_t>(lane)].samples.size()) - other.size();
+        other.finish(most, rays[static_cast<size_t>(lane)].lattice);
+        ASSERT_NO_FATAL_FAILURE(expectSame(found, lane, other, round));
+        EXPECT_LE(found.size(lane), most);
+      }
     }
-    merged += static_cast<int>(ray.samples.size()) - expected.size();
-    found.finish(most, ray.lattice);
-    expected.finish(most, ray.lattice);
-    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
-    EXPECT_LE(found.size(), most);
   }
   EXPECT_GT(merged, 50000);
 }
 
-/// From process to process, or device, and back, wherever along the ray.
+/// From process to process, or device, and back, wherever along the ray; whatever the rays beside it do.
 TEST(SegmentBatchMerger, IsHandedOnAsItIs) {
   std::mt19937 random(19);
-  for (int round = 0; round < 1000; ++round) {
-    const SampledRay ray = rayOf(round, random);
-    const int most = 1 + round % 16;
+  for (int round = 0; round < 200; ++round) {
+    const std::vector<SampledRay> rays = raysOf(round, random);
+    const int count = static_cast<int>(rays.size()), most = 1 + round % 16;
     SegmentBatchMerger found(mergerRoomFor(most));
-    SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most));
-    for (const RaySegment& sample : ray.samples) {
-      if (std::uniform_int_distribution(0, 9)(random) == 0) {
-        found.give(handed);
-        if (round % 2 == 0) handed.add(sample);
-        found.clear();
-        found.take(handed);
-        if (round % 2 == 1) found.add(sample);
-      } else {
-        found.add(sample);
+    std::vector<SegmentMerger> handed(rays.size(), SegmentMerger(mergerRoomFor(most))), expected = handed;
+    std::vector<size_t> next(rays.size(), 0);
+    for (bool any = true; any;) {
+      any = false;
+      for (int lane = 0; lane < count; ++lane) {
+        const auto which = static_cast<size_t>(lane);
+        const std::vector<RaySegment>& samples = rays[which].samples;
+        size_t end = std::min(samples.size(), next[which] + random() % 30);
+        if (random() % 4 == 0)  // one that goes on where each is merged by itself
+          for (; next[which] < end; ++next[which]) handed[which].add(samples[next[which]]), expected[which].add(samples[next[which]]);
+        end = std::min(samples.size(), next[which] + random() % 30);
+        SegmentBatchMerger::Ray& own = found.begin(lane, handed[which]);
+        for (; next[which] < end; ++next[which]) own.add(samples[next[which]]), expected[which].add(samples[next[which]]);
+        any = any || next[which] < samples.size();
       }
-      expected.add(sample);
-      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+      found.merge(count);
+      for (int lane = 0; lane < count; ++lane) {
+        ASSERT_NO_FATAL_FAILURE(expectSame(found, lane, expected[static_cast<size_t>(lane)], round));
+        found.give(lane, handed[static_cast<size_t>(lane)]);
+      }
     }
-    found.give(handed);
-    handed.finish(most, ray.lattice);
-    expected.finish(most, ray.lattice);
-    found.take(handed);
-    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    for (int lane = 0; lane < count; ++lane) {
+      const auto which = static_cast<size_t>(lane);
+      handed[which].finish(most, rays[which].lattice);
+      expected[which].finish(most, rays[which].lattice);
+      found.begin(lane, handed[which]);
+    }
+    found.merge(count);
+    for (int lane = 0; lane < count; ++lane) ASSERT_NO_FATAL_FAILURE(expectSame(found, lane, expected[static_cast<size_t>(lane)], round));
   }
 }
+
+/// One ray by itself, in any lane.
+class SingleRay {
+ public:
+  SingleRay(int room, int lane) : batch_(room), lane_(lane) { clear(); }
+  SegmentBatchMerger::Ray& ray() { return *ray_; }
+  void clear() { ray_ = &batch_.begin(lane_); }
+  void take(const SegmentMerger& other) { ray_ = &batch_.begin(lane_, other); }
+  void give(SegmentMerger& other) {
+    batch_.merge(lane_ + 1);
+    batch_.give(lane_, other);
+  }
+  void finish(int most, const RayLattice& lattice) {
+    ray_->endGroup();
+    batch_.merge(lane_ + 1);
+    const std::vector<const RayLattice*> lattices(SegmentBatchMerger::kRays, &lattice);
+    batch_.finish(most, lattices.data());
+  }
+  void expectSame(const SegmentMerger& expected, int round) const { warpscope::expectSame(batch_, lane_, expected, round); }
+
+ private:
+  SegmentBatchMerger batch_;
+  int lane_;
+  SegmentBatchMerger::Ray* ray_ = nullptr;
+};
 
 /// As a march on a device does it: sample by sample, and the end of a group before the next one's.
 void addStep(SegmentMerger& merger, const RaySegment& sample, int step) {
@@ -118,18 +177,17 @@ TEST(SegmentBatchMerger, GroupsOfStepsAreTheSameWhoeverHasThem) {
   for (int round = 0; round < 2000; ++round) {
     const SampledRay ray = rayOf(round - round % 7 + 1 + round % 6, random);  // no points
     const int most = 1 + round % 16;
-    SegmentBatchMerger found(mergerRoomFor(most));
+    SingleRay found(mergerRoomFor(most), round % SegmentBatchMerger::kRays);
     SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most)), single(mergerRoomFor(most));
     for (const RaySegment& sample : ray.samples) {
       const int step = static_cast<int>(std::lround((sample.begin - ray.lattice.t0) / ray.lattice.dt));
       if (std::uniform_int_distribution(0, 9)(random) == 0) {
         found.give(handed);
         if (round % 2 == 0) addStep(handed, sample, step);
-        found.clear();
         found.take(handed);
-        if (round % 2 == 1) found.addStep(sample, step);
+        if (round % 2 == 1) found.ray().addStep(sample, step);
       } else {
-        found.addStep(sample, step);
+        found.ray().addStep(sample, step);
       }
       addStep(expected, sample, step);
       single.add(sample);
@@ -139,7 +197,8 @@ TEST(SegmentBatchMerger, GroupsOfStepsAreTheSameWhoeverHasThem) {
     expected.finish(most, ray.lattice);
     single.finish(most, ray.lattice);
     found.take(handed);
-    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    found.finish(16, ray.lattice);
+    ASSERT_NO_FATAL_FAILURE(found.expectSame(expected, round));
     const auto last = [](const SegmentMerger& merger) {
       RaySegment segment;
       for (int i = merger.first(); i != SegmentMerger::kNone; i = merger.behind(i)) segment = merger[i];
@@ -197,8 +256,8 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
     }
     const auto alphaAt = [&](int i) { return alphas[static_cast<size_t>(i)]; };
     RayColor color, colorInPieces, colorOfSteps;
-    SegmentBatchMerger found(mergerRoomFor(most));
-    marchPieceInto(path, 0, lattice.count, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, color, found);
+    SingleRay found(mergerRoomFor(most), round % SegmentBatchMerger::kRays), here(mergerRoomFor(most), 0);
+    marchPieceInto(path, 0, lattice.count, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, color, found.ray());
     SegmentMerger steps(mergerRoomFor(most)), pieces(mergerRoomFor(most));
     marchPieceInto(path, 0, lattice.count, ColorfulSource<1>{{alphaAt, lattice}, round % 2 == 0}, stopBelow, colorOfSteps, steps);
     for (int begin = 0; begin < lattice.count;) {
@@ -207,9 +266,8 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
       if (unit(random) < 0.5f) {
         marchPieceInto(path, begin, end, ColorfulSource<1>{{alphaAt, lattice}, unit(random) < 0.5f}, stopBelow, colorInPieces, pieces);
       } else {
-        SegmentBatchMerger here(mergerRoomFor(most));
         here.take(pieces);
-        marchPieceInto(path, begin, end, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, colorInPieces, here);
+        marchPieceInto(path, begin, end, ColorfulSource<8>{{alphaAt, lattice}, true}, stopBelow, colorInPieces, here.ray());
         here.give(pieces);
       }
       begin = end;
@@ -218,9 +276,9 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
     found.finish(most, lattice);
     steps.finish(most, lattice);
     pieces.finish(most, lattice);
-    ASSERT_NO_FATAL_FAILURE(expectSame(found, steps, round));
-    ASSERT_NO_FATAL_FAILURE(expectSame(found, pieces, round));
-    segments += static_cast<size_t>(found.size());
+    ASSERT_NO_FATAL_FAILURE(found.expectSame(steps, round));
+    ASSERT_NO_FATAL_FAILURE(found.expectSame(pieces, round));
+    segments += static_cast<size_t>(steps.size());
   }
   EXPECT_GT(segments, 10000u);
   EXPECT_GT(ended, 200u);
@@ -229,7 +287,8 @@ TEST(SegmentBatchMerger, MarchesToldOfGroupsAndNotGiveTheSame) {
 /// Groups begin where the lattice says, not where a merger has become full.
 TEST(SegmentBatchMerger, AFullMergerTakesTheStepsOfAGroupAsOne) {
   SegmentMerger told(8), byHand(8);
-  SegmentBatchMerger found(8);
+  SingleRay found(8, 0);
+  const RayLattice lattice = latticeOf(0.0f, 32.0f, 1.0f);
   RaySegment whole;
   bool any = false;
   const auto endByHand = [&] {
@@ -242,7 +301,7 @@ TEST(SegmentBatchMerger, AFullMergerTakesTheStepsOfAGroupAsOne) {
     const bool isBright = step < 11;
     const RaySegment sample{at, at + 1.0f, isBright ? 0.5f : 0.01f, std::pow(0.5f, std::min(at - 3.0f, 8.0f)), isBright ? glm::vec3(0.5f * static_cast<float>(step % 2), 0.25f, 0.0f) : glm::vec3(0.005f)};
     addStep(told, sample, step);
-    found.addStep(sample, step);
+    found.ray().addStep(sample, step);
     if (step == 16 || step == 24) endByHand();
     if (isBright) {
       byHand.add(sample);
@@ -259,26 +318,116 @@ TEST(SegmentBatchMerger, AFullMergerTakesTheStepsOfAGroupAsOne) {
     const RaySegment own = told[i], other = byHand[j];
     EXPECT_EQ(std::memcmp(&own, &other, sizeof own), 0) << i;
   }
-  byHand.reduceTo(3);
-  found.reduceTo(3);
-  expectSame(found, byHand, 0);
+  byHand.finish(3, lattice);
+  found.finish(3, lattice);
+  found.expectSame(byHand, 0);
 }
 
 /// Samples that are the same cost the same: which two are merged is said by their places.
 TEST(SegmentBatchMerger, OfEqualPairsTheOneInTheLowestPlaceIsMerged) {
   for (const int most : {4, 16}) {
-    SegmentBatchMerger found(mergerRoomFor(most));
-    SegmentMerger expected(mergerRoomFor(most));
-    for (int i = 0; i < 200; ++i) {
-      const auto at = static_cast<float>(4 * i);
-      const RaySegment sample{at, at + 1.0f, 1e-7f, 1.0f, glm::vec3(5e-8f)};
-      found.add(sample);
-      expected.add(sample);
-      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, i));
+    for (int count = 1; count < 200; count += 3) {
+      const RayLattice lattice = latticeOf(0.0f, static_cast<float>(4 * count), 1.0f);
+      SingleRay found(mergerRoomFor(most), count % SegmentBatchMerger::kRays);
+      SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most));
+      for (int i = 0; i < count; ++i) {
+        const auto at = static_cast<float>(4 * i);
+        const RaySegment sample{at, at + 1.0f, 1e-7f, 1.0f, glm::vec3(5e-8f)};
+        found.ray().add(sample);
+        expected.add(sample);
+      }
+      if (count % 2 == 0) {
+        found.give(handed);
+        ASSERT_NO_FATAL_FAILURE(found.expectSame(expected, count));
+        found.take(handed);
+      }
+      found.finish(3, lattice);
+      expected.finish(3, lattice);
+      ASSERT_NO_FATAL_FAILURE(found.expectSame(expected, count));
     }
-    found.reduceTo(3);
-    expected.reduceTo(3);
-    expectSame(found, expected, 0);
+  }
+}
+
+/// Colours, opacities and depths of all rays at once are those of one after the other.
+TEST(SegmentBatchMerger, CodesAreThoseOfEachRay) {
+  std::mt19937 random(37);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const SampleQuantization quantization;
+  size_t sent = 0, leftOut = 0;
+  for (int round = 0; round < 300; ++round) {
+    const std::vector<SampledRay> rays = raysOf(round, random);
+    const int count = static_cast<int>(rays.size()), most = 1 + round % 16;
+    const bool hasNormals = round % 2 == 0;
+    SegmentBatchMerger found(mergerRoomFor(most));
+    std::vector<const RayLattice*> lattices;
+    std::vector<float> cosines;
+    std::vector<EncodedSegments> encoded(rays.size());
+    std::vector<EncodedSegments*> to;
+    std::vector<std::array<NormalCode, kMostMergerRoom>> normals(rays.size());
+    std::vector<const NormalCode*> normalsOf;
+    for (int lane = 0; lane < count; ++lane) {
+      const auto which = static_cast<size_t>(lane);
+      SegmentBatchMerger::Ray& own = found.begin(lane);
+      for (const RaySegment& sample : rays[which].samples) own.add(sample);
+      lattices.push_back(&rays[which].lattice);
+      cosines.push_back(0.6f + 0.4f * unit(random));
+      to.push_back(&encoded[which]);
+      for (NormalCode& normal : normals[which]) normal = static_cast<NormalCode>(random());
+      normalsOf.push_back(normals[which].data());
+    }
+    found.merge(count);
+    found.finish(most, lattices.data());
+    encodeSegments(found, count, cosines.data(), quantization, hasNormals ? normalsOf.data() : nullptr, to.data());
+    for (int lane = 0; lane < count; ++lane) {
+      const auto which = static_cast<size_t>(lane);
+      SegmentList list;
+      for (int i = 0; i < found.size(lane); ++i) list.add(found.segment(lane, i));
+      EncodedSegments expected;
+      const SegmentEncoder encoder(ColorTables::instance(), quantization, cosines[which], hasNormals);
+      expected.count = storeSegments(list, false, encoder, {expected.depths, expected.colors, hasNormals ? expected.normals : nullptr}, [&](int i) { return normals[which][static_cast<size_t>(i)]; }).count();
+      ASSERT_EQ(encoded[which].count, expected.count) << round;
+      ASSERT_EQ(encoded[which].found, list.size()) << round;
+      for (int i = 0; i < expected.count; ++i) {
+        ASSERT_EQ(encoded[which].depths[i], expected.depths[i]) << round;
+        ASSERT_EQ(encoded[which].colors[i], expected.colors[i]) << round << ", lane " << lane << ", segment " << i;
+        if (hasNormals) ASSERT_EQ(encoded[which].normals[i], expected.normals[i]) << round;
+      }
+      sent += static_cast<size_t>(expected.count);
+      leftOut += static_cast<size_t>(list.size() - expected.count);
+    }
+  }
+  EXPECT_GT(sent, 5000u);
+  EXPECT_GT(leftOut, 50u);
+}
+
+/// Of numbers at and about where codes end, and outside of what codes say.
+TEST(ColorLanes, CodesAreThoseOfOneNumberAfterTheOther) {
+  const ColorTables& tables = ColorTables::instance();
+  std::vector<float> numbers{0.0f, -0.0f, -1.0f, 1.0f, 2.0f, INFINITY, -INFINITY, NAN, 1e-40f, std::nextafter(1.0f, 0.0f)};
+  for (uint32_t code = 0; code < 256; ++code) {
+    const float linear = tables.decode(code | 0xff000000u).r, bound = linearFromSrgb((static_cast<float>(code) + 0.5f) / 255.0f);
+    for (const float near : {linear, bound}) {
+      float below = near, above = near;
+      for (int i = 0; i < 40; ++i) {
+        numbers.push_back(below = std::nextafter(below, 0.0f));
+        numbers.push_back(above = std::nextafter(above, 2.0f));
+      }
+      numbers.push_back(near);
+    }
+  }
+  for (int i = 0; i <= 4096; ++i) numbers.push_back(static_cast<float>(i) / 4096.0f);
+  while (numbers.size() % kBatchLanes != 0) numbers.push_back(0.5f);
+  for (size_t i = 0; i < numbers.size(); i += kBatchLanes) {
+    alignas(64) int32_t codes[kBatchLanes];
+    alignas(64) float decoded[kBatchLanes];
+    const IntBatch found = ColorLanes::encodeChannel(tables, FloatBatch::load_unaligned(&numbers[i]));
+    found.store_aligned(codes);
+    ColorLanes::decodeChannel(tables, found).store_aligned(decoded);
+    for (size_t lane = 0; lane < kBatchLanes; ++lane) {
+      const uint32_t expected = tables.encodeChannel(numbers[i + lane]);
+      ASSERT_EQ(static_cast<uint32_t>(codes[lane]), expected) << numbers[i + lane];
+      ASSERT_EQ(decoded[lane], tables.decode(expected | 0xff000000u).r);
+    }
   }
 }
 

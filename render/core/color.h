@@ -70,12 +70,13 @@ class ColorTables {
   }
 
  private:
+  friend struct ColorLanes;  // color_lanes.h
   static constexpr uint32_t kGuesses = 4096;
 
   ColorTables();
+  uint8_t firstGuess_[kGuesses];  // code of the lower end of each 1/kGuesses of the linear range; not at the end: vectors read four bytes at a time
   float linear_[256];
   float upperBound_[256];         // linear value at which code i ends and i + 1 begins
-  uint8_t firstGuess_[kGuesses];  // code of the lower end of each 1/kGuesses of the linear range
 };
 static_assert(std::is_trivially_copyable_v<ColorTables>);
 

@@ -84,12 +84,15 @@ inline constexpr double kRadiusCodeError = 1.0 / 64;
 /// The code nearest to the forward depth `behind` behind the near plane: within half a step of it, and kDepthCodeError.
 /// 0 for less and NaN; depths beyond the codes get one of the last. Of the codes below 2^22 each comes back from
 /// decodeDepth().
-WARPSCOPE_HD inline uint32_t encodeDepth(float behind, float depthStep) {
-  constexpr float kWhole = 0x1p23f;           // from here on floats have no halves
-  constexpr float kLargest = 0x1p26f - 4.0f;  // of the floats that are codes
-  const float steps = minOf(maxOf(behind / depthStep, 0.0f), kLargest);
-  return static_cast<uint32_t>(static_cast<int32_t>(steps < kWhole ? steps + 0.5f : steps));
+/// `Number`: float, or a vector of them; the code is a whole number that has a sign, or a vector of them.
+template <class Number>
+WARPSCOPE_HD inline auto signedDepthCode(const Number& behind, const Number& depthStep) {
+  const Number whole(0x1p23f);           // from here on floats have no halves
+  const Number largest(0x1p26f - 4.0f);  // of the floats that are codes
+  const Number steps = minOf(maxOf(behind / depthStep, Number(0.0f)), largest);
+  return truncated(selected(steps < whole, steps + 0.5f, steps));
 }
+WARPSCOPE_HD inline uint32_t encodeDepth(float behind, float depthStep) { return static_cast<uint32_t>(signedDepthCode(behind, depthStep)); }
 
 /// In units of volume space.
 WARPSCOPE_HD inline float decodeDepth(uint32_t code, float depthStep) {

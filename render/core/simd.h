@@ -14,6 +14,21 @@ using IntBatch = xsimd::batch<int32_t>;
 using UintBatch = xsimd::batch<uint32_t>;
 inline constexpr int kBatchLanes = static_cast<int>(FloatBatch::size);
 
+/// Bit k is set if the condition holds for the k-th. Here, since some processors' conditions would pass for numbers, of which there are other bits.
+inline uint32_t bitsOf(const xsimd::batch_bool<float>& condition) {
+#if XSIMD_WITH_AVX512F
+  return condition.data;
+#elif XSIMD_WITH_AVX
+  return static_cast<uint32_t>(_mm256_movemask_ps(condition));
+#else
+  alignas(64) float values[kBatchLanes];
+  xsimd::select(condition, FloatBatch(1.0f), FloatBatch(0.0f)).store_aligned(values);
+  uint32_t bits = 0;
+  for (int i = 0; i < kBatchLanes; ++i) bits |= static_cast<uint32_t>(values[i] != 0.0f) << i;
+  return bits;
+#endif
+}
+
 }  // namespace warpscope
 
 // Templates find these by the namespace of their arguments, wherever they were defined.

@@ -1,4 +1,4 @@
-// Vectors' lanes one by one: numbers at places of their own, conditions as bits.
+// Vectors' lanes one by one: numbers at places of their own.
 // xsimd; host only. As simd.h, beside which it stands since few need it.
 #pragma once
 
@@ -8,20 +8,6 @@
 
 namespace warpscope {
 
-/// Bit k is set if the condition holds for the k-th.
-inline uint32_t bitsOf(const xsimd::batch_bool<float>& condition) {
-#if XSIMD_WITH_AVX512F
-  return condition.data;
-#elif XSIMD_WITH_AVX
-  return static_cast<uint32_t>(_mm256_movemask_ps(condition));
-#else
-  alignas(64) float values[kBatchLanes];
-  xsimd::select(condition, FloatBatch(1.0f), FloatBatch(0.0f)).store_aligned(values);
-  uint32_t bits = 0;
-  for (int i = 0; i < kBatchLanes; ++i) bits |= static_cast<uint32_t>(values[i] != 0.0f) << i;
-  return bits;
-#endif
-}
 /// The numbers at these places from `numbers` on; none is negative.
 inline IntBatch gathered(const uint32_t* numbers, const IntBatch& places) {
 #if XSIMD_WITH_AVX512F
@@ -46,6 +32,20 @@ inline FloatBatch gathered(const float* numbers, const IntBatch& places) {
   places.store_aligned(at);
   for (int i = 0; i < kBatchLanes; ++i) values[i] = numbers[at[i]];
   return FloatBatch::load_aligned(values);
+#endif
+}
+
+/// The same of bytes, of which there are three more behind the last place.
+inline IntBatch gatheredBytes(const uint8_t* numbers, const IntBatch& places) {
+#if XSIMD_WITH_AVX512F
+  return _mm512_and_si512(_mm512_i32gather_epi32(places, numbers, 1), _mm512_set1_epi32(255));
+#elif XSIMD_WITH_AVX2
+  return _mm256_and_si256(_mm256_i32gather_epi32(reinterpret_cast<const int*>(numbers), places, 1), _mm256_set1_epi32(255));
+#else
+  alignas(64) int32_t at[kBatchLanes], values[kBatchLanes];
+  places.store_aligned(at);
+  for (int i = 0; i < kBatchLanes; ++i) values[i] = numbers[at[i]];
+  return IntBatch::load_aligned(values);
 #endif
 }
 

@@ -11,9 +11,16 @@ namespace {
 
 /// The ray's segments into its pixel's places; their number.
 RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, DenseSegments& dense, size_t pixel) {
+  const size_t first = pixel * static_cast<size_t>(dense.slots);
+  if (ray.encoded != nullptr) {
+    const auto count = static_cast<size_t>(ray.encoded->count);
+    std::copy_n(ray.encoded->depths, count, &dense.depths[first]);
+    std::copy_n(ray.encoded->colors, count, &dense.colors[first]);
+    if (!dense.normals.empty()) std::copy_n(ray.encoded->normals, count, &dense.normals[first]);
+    return {ray.encoded->count, ray.isEnded};
+  }
   if (ray.segments == nullptr) return {};
   const SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine, !dense.normals.empty());
-  const size_t first = pixel * static_cast<size_t>(dense.slots);
   const SegmentSlots slots{dense.depths.data() + first, dense.colors.data() + first, dense.normals.empty() ? nullptr : dense.normals.data() + first};
   return storeSegments(*ray.segments, ray.isEnded, encoder, slots, [&](int i) { return ray.normals != nullptr ? ray.normals[i] : NormalCode{0}; });
 }

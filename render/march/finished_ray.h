@@ -23,17 +23,29 @@ struct PixelArea {
 
 struct RelayedTile;
 
+/// A ray's segments as they are sent, near to far.
+struct EncodedSegments {
+  int found = 0;  ///< before those were left out that show nothing in 8 bits
+  int count = 0;
+  SegmentDepths depths[kMostMergerRoom];
+  Rgba8 colors[kMostMergerRoom];
+  NormalCode normals[kMostMergerRoom];
+};
+
 /// A finished ray: its colour, and its samples and segments where some are wanted.
 struct FinishedRay {
   uint32_t x = 0, y = 0;
   float cosine = 1.0f;
   glm::vec4 premultiplied{0.0f};
   const RaySamples* samples = nullptr;
-  const SegmentList* segments = nullptr;  ///< null where none are wanted
-  const NormalCode* normals = nullptr;    ///< of these, near to far; null where none are wanted
+  const EncodedSegments* encoded = nullptr;  ///< its segments, where it is known how they are sent
+  const SegmentList* segments = nullptr;     ///< else; null where none are wanted
+  const NormalCode* normals = nullptr;       ///< of these, near to far; null where none are wanted
   bool isEnded = false;                     ///< hardly any light was left
   const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where samples are wanted and a ray has one at most; null where nothing is visible
   RelayedTile* tile = nullptr;              ///< that it was handed on with; null where rays are marched whole
+
+  bool hasSegments() const { return encoded != nullptr ? encoded->found > 0 : segments != nullptr && segments->size() > 0; }
 };
 /// What FinishedRay points at, of a ray whose segments a merger holds.
 struct FinishedSegments {

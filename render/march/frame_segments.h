@@ -68,14 +68,15 @@ WARPSCOPE_HD inline float segmentOpacity(Rgba8 code) {
   const float root = static_cast<float>(code >> 24) / 255.0f;
   return root * root;
 }
-/// The nearest code of an opacity in [0, 1].
-WARPSCOPE_HD inline uint32_t segmentOpacityCode(float opacity) {
-  const uint32_t code = quantizeUnorm8(sqrtOf(maxOf(opacity, 0.0f)));
-  if (code == 0) return 0;
+/// The nearest code of an opacity in [0, 1], as a number. `Number`: float, or a vector of them.
+template <class Number>
+WARPSCOPE_HD inline Number wholeSegmentOpacityCode(const Number& opacity) {
+  const Number code = converted(truncated(minOf(sqrtOf(maxOf(opacity, 0.0f)), 1.0f) * 255.0f + 0.5f));
+  const auto opacityOf = [](const Number& whole) -> Number { return whole / 255.0f * (whole / 255.0f); };
   // Of two beside each other the one whose square is nearer, which is not always the one nearer to the root.
-  const float below = segmentOpacity((code - 1) << 24), own = segmentOpacity(code << 24);
-  return absOf(opacity - below) < absOf(own - opacity) ? code - 1 : code;
+  return selected(absOf(opacity - opacityOf(code - 1.0f)) < absOf(opacityOf(code) - opacity), maxOf(code - 1.0f, 0.0f), code);
 }
+WARPSCOPE_HD inline uint32_t segmentOpacityCode(float opacity) { return static_cast<uint32_t>(wholeSegmentOpacityCode(opacity)); }
 /// What colours of segments that have normals (0 among them) are multiplied by before they are encoded: what highlights add may be more than white.
 inline constexpr float kLitScale = 0.5f;
 WARPSCOPE_HD constexpr float segmentColorScale(bool hasNormals) { return hasNormals ? kLitScale : 1.0f; }

@@ -85,7 +85,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
     dense_.resize(size_t{camera.width} * camera.height, settings.sample, wantsNormals(camera, settings));
     forEachRay({camera, allOf(camera), pixels, settings.render, &settings.sample, stop,
-                [&](const FinishedRay& ray) { dense_.put(size_t{ray.y} * camera.width + ray.x, ray, rule, pixels); }});
+                [&](const FinishedRay& ray) { dense_.put(size_t{ray.y} * camera.width + ray.x, ray, rule, pixels); }, nullptr, &rule});
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
@@ -114,7 +114,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
     const bool hasNormals = sample != nullptr && wantsNormals(camera, {settings, *sample});
     const SampleRule rule = sample != nullptr ? sampleRuleFor(volume, camera, *sample) : SampleRule{};
     const PixelGrid pixels = sample != nullptr ? makePixelGrid(camera, rule.quantization.nearDepth) : pixelsFor(volume, camera, settings);
-    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { ray.tile->keep(ray, sample, hasNormals, rule, pixels); }, &relay});
+    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { ray.tile->keep(ray, sample, hasNormals, rule, pixels); }, &relay, &rule});
   }
 
   void setLightCopy(const ProxyPtr& copy) override {

@@ -26,7 +26,7 @@ PixelArea areaOfTile(const Camera& camera, uint32_t tile) {
 
 void RelayedTile::keep(const FinishedRay& ray, const SampleSettings* sample, bool hasNormals, const SampleRule& rule, const PixelGrid& pixels) {
   const bool isEmpty = sample == nullptr ? ray.premultiplied == glm::vec4(0.0f)
-                                         : (ray.samples == nullptr || ray.samples->size() == 0) && (ray.segments == nullptr || ray.segments->size() == 0);
+                                         : (ray.samples == nullptr || ray.samples->size() == 0) && !ray.hasSegments();
   if (isEmpty) return;
   finished.push_back((ray.y - area.y) * area.width + (ray.x - area.x));
   if (sample == nullptr) return colors.push_back(ray.premultiplied);

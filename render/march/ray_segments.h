@@ -108,12 +108,13 @@ WARPSCOPE_HD inline Number recolored(const Segment& front, const Segment& back) 
 
 /// Whether merging the two costs, squared, no more than `squared`, without a division: as if they became all from the first one's beginning to the second one's end. Hardly ever says so
 /// where squaredMergeCost() is more; always of light below some 1e-11, which nobody sees and whose fourth power is no number.
-WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegment& back, float squared) {
-  const float lightA = front.contribution(), lightB = back.contribution(), light = lightA + lightB, length = back.end - front.begin;
+template <class Number, class Segment>
+WARPSCOPE_HD inline auto isSurelyAtMost(const Segment& front, const Segment& back, const Number& squared) {
+  const Number lightA = front.contribution(), lightB = back.contribution(), light = lightA + lightB, length = back.end - front.begin;
   // The difference is a line on each of the three parts: without a gap its square has a third of the largest.
-  const float ofLargest = back.begin > front.end ? 1.0f : 0.57735027f;
-  const float moved = maxOf(absOf(mulAdd(lightA, length, -(front.length() * light))), absOf(mulAdd(lightB, length, -(back.length() * light))));
-  const float lightMoved = ofLargest * moved * light, lightRecolored = recolored<float>(front, back);
+  const Number ofLargest = selected(back.begin > front.end, Number(1.0f), Number(0.57735027f));
+  const Number moved = maxOf(absOf(mulAdd(lightA, length, -(front.length() * light))), absOf(mulAdd(lightB, length, -(back.length() * light))));
+  const Number lightMoved = ofLargest * moved * light, lightRecolored = recolored<Number>(front, back);
   return mulAdd(lightMoved, lightMoved, lightRecolored * lightRecolored) <= squared * (light * light);
 }
 
@@ -140,17 +141,29 @@ WARPSCOPE_HD inline float squaredMergeCost(const RaySegment& front, const RaySeg
   return squaredMergeCost(front, back, both, hasLength ? light * perBoth : 0.0f, length * perBoth);
 }
 
-/// Moves its ends to the nearest borders of steps, at least one step apart, between `from` and `to`.
-WARPSCOPE_HD inline void settle(RaySegment& segment, const RayLattice& lattice, float from, float to) {
-  const float perStep = 1.0f / lattice.dt;
-  const auto stepsTo = [&](float t) { return maxOf((t - lattice.t0) * perStep, 0.0f); };
-  int begin = truncated(stepsTo(segment.begin) + 0.5f), end = truncated(stepsTo(segment.end) + 0.5f);
-  if (!(begin < end)) {
-    begin = truncated(stepsTo(mulAdd(0.5f, segment.length(), segment.begin)));
-    end = begin + 1;
+/// Where the steps of rays' lattices end, by whole numbers.
+template <class Number>
+struct LatticeBorders {
+  Number t0, dt, count, end;
+
+  WARPSCOPE_HD static LatticeBorders of(const RayLattice& lattice) {
+    return {lattice.t0, lattice.dt, static_cast<float>(lattice.count), lattice.border(lattice.count)};
   }
-  segment.begin = minOf(maxOf(lattice.border(begin), from), to);
-  segment.end = minOf(maxOf(lattice.border(end), segment.begin), to);
+  WARPSCOPE_HD Number borderAt(const Number& i) const { return selected(i < count, mulAdd(i, dt, t0), end); }
+};
+
+/// Moves the ends of a segment, or of each lane's one that has a length, to the nearest borders of steps, at least one step apart, between `from` and `to`.
+template <class Number, class Segment, class Lattice>
+WARPSCOPE_HD inline void settle(Segment& segment, const Lattice& lattice, const Number& from, const Number& to) {
+  const Number perStep = 1.0f / lattice.dt;
+  const auto stepsTo = [&](const Number& t) -> Number { return maxOf((t - lattice.t0) * perStep, 0.0f); };
+  const auto whole = [](const Number& steps) -> Number { return converted(truncated(steps)); };
+  Number begin = whole(stepsTo(segment.begin) + 0.5f), end = whole(stepsTo(segment.end) + 0.5f);
+  const auto isApart = begin < end;
+  begin = selected(isApart, begin, whole(stepsTo(mulAdd(Number(0.5f), segment.length(), segment.begin))));
+  end = selected(isApart, end, begin + 1.0f);
+  segment.begin = minOf(maxOf(lattice.borderAt(begin), from), to);
+  segment.end = minOf(maxOf(lattice.borderAt(end), segment.begin), to);
 }
 
 /// A full merger merges with its last segment, without a look at the others, what costs no more than so many times what the last merge cost for which it looked. By 4 it looks half as often as by 1,
@@ -260,7 +273,7 @@ class BasicSegmentMerger {
   /// What comes next along the ray, of no group, where none waits for its end. Of the rays of a warp some merge with their last segment while others look at all: what each of them does stands in one place, where those that do it meet.
   WARPSCOPE_HD void add(const RaySegment& next) {
     const bool isFull = size_ == room();
-    bool isMerged = isFull && isSurelyAtMost(tail_, next, unseen_);
+    bool isMerged = isFull && isSurelyAtMost<float>(tail_, next, unseen_);
     int place = size_;
     if (size_ > 0 && !isMerged) {
       uint32_t cost = costOf(tail_, next);
@@ -312,7 +325,7 @@ class BasicSegmentMerger {
       RaySegment segment = (*this)[i];
       if (segment.length() > 0.0f) {
         const bool isBeforePoint = i != tailPlace_ && !((*this)[next_[i]].length() > 0.0f);
-        settle(segment, lattice, last, isBeforePoint ? (*this)[next_[i]].begin : INFINITY);
+        settle<float>(segment, LatticeBorders<float>::of(lattice), last, isBeforePoint ? (*this)[next_[i]].begin : INFINITY);
         i == tailPlace_ ? void(tail_ = segment) : memory_.setSegment(i, segment);
       }
       last = segment.end;

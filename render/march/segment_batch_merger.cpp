@@ -1,283 +1,240 @@
-// Looks at all pairs, and what is done with the cheapest.
+// Looks at all segments of all rays, and what is done with the two that cost least.
 // See segment_batch_merger.h.
 #include "render/march/segment_batch_merger.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <type_traits>
-#include <utility>
-
-#include "render/core/simd_lanes.h"
 
 namespace warpscope {
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
+/// Behind all places.
+constexpr float kNowhere = 1000.0f;
 
-/// A segment a lane. As RaySegment.
-struct SegmentLanes {
-  FloatBatch begin, end, opacity, through, color[3];
-
-  FloatBatch contribution() const { return through * opacity; }
-  FloatBatch length() const { return end - begin; }
-};
-
-/// What pairs of neighbours become, and what that costs.
-struct PairLanes {
-  SegmentLanes both;
-  FloatBatch cost;
-};
-[[gnu::always_inline]] inline PairLanes pairsOf(const SegmentLanes& front, const SegmentLanes& back) {
-  const FloatBatch zero(0.0f), one(1.0f);
-  PairLanes pairs;
+/// What two neighbours become.
+[[gnu::always_inline]] inline BasicRayExtent<FloatBatch> extentOf(const SegmentLanes& front, const SegmentLanes& back) {
   const FloatBatch depthA = depthBeside<FloatBatch>(front, back), depthB = depthBeside<FloatBatch>(back, front), depth = depthA + depthB;
-  const auto hasDepth = depth > zero;
-  const auto extent = extentBySpread(front, back, depthB / xsimd::select(hasDepth, depth, one));
-  const BasicRayExtent<FloatBatch> both{xsimd::select(hasDepth, extent.begin, front.begin), xsimd::select(hasDepth, extent.end, back.end)};
+  const auto hasDepth = depth > FloatBatch(0.0f);
+  const auto extent = extentBySpread(front, back, depthB / xsimd::select(hasDepth, depth, FloatBatch(1.0f)));
+  return {xsimd::select(hasDepth, extent.begin, front.begin), xsimd::select(hasDepth, extent.end, back.end)};
+}
+[[gnu::always_inline]] inline SegmentLanes mergedTo(const BasicRayExtent<FloatBatch>& extent, const SegmentLanes& front, const SegmentLanes& back) {
+  const FloatBatch rest = 1.0f - front.opacity;
+  SegmentLanes both{extent.begin, extent.end, mulAdd(rest, back.opacity, front.opacity), front.through, {}};
+  for (int channel = 0; channel < 3; ++channel) both.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
+  return both;
+}
+
+/// What that costs, squared.
+[[gnu::always_inline]] inline FloatBatch costOf(const BasicRayExtent<FloatBatch>& both, const SegmentLanes& front, const SegmentLanes& back) {
+  const FloatBatch zero(0.0f), one(1.0f);
   const auto hasLength = both.length() > zero;
   const FloatBatch light = front.contribution() + back.contribution(), length = xsimd::select(hasLength, both.length(), one);
   const auto costs = front.contribution() > zero && back.contribution() > zero && back.end - front.begin > zero && light * length > FloatBatch(kLeastCostly);
   const FloatBatch perBoth = one / xsimd::select(costs, light * length, one);
   const FloatBatch cost = xsimd::select(costs, squaredMergeCost(front, back, both, xsimd::select(hasLength, light * perBoth, zero), length * perBoth), zero);
-  pairs.cost = xsimd::select(cost == cost, cost, FloatBatch(kNever));  // what is no number costs most, as its bits do in BasicSegmentMerger
-  pairs.both.begin = both.begin;
-  pairs.both.end = both.end;
-  const FloatBatch rest = 1.0f - front.opacity;
-  pairs.both.opacity = mulAdd(rest, back.opacity, front.opacity);
-  pairs.both.through = front.through;
-  for (int channel = 0; channel < 3; ++channel) pairs.both.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
-  return pairs;
+  return xsimd::select(cost == cost, cost, FloatBatch(kNever));  // what is no number costs most, as its bits do in BasicSegmentMerger
 }
-
-/// Each lane's next one's; the last one's is the first of `following`.
-FloatBatch moved(const FloatBatch& lanes, const FloatBatch& following) {
-#if XSIMD_WITH_AVX512F
-  return _mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(following), _mm512_castps_si512(lanes), 1));
-#elif XSIMD_WITH_AVX2
-  const __m256i own = _mm256_castps_si256(lanes), middle = _mm256_permute2x128_si256(own, _mm256_castps_si256(following), 0x21);
-  return _mm256_castsi256_ps(_mm256_alignr_epi8(middle, own, sizeof(float)));
-#else
-  alignas(64) float both[2 * kBatchLanes];
-  lanes.store_aligned(both);
-  following.store_aligned(both + kBatchLanes);
-  return FloatBatch::load_unaligned(both + 1);
-#endif
-}
-
-float leastOf(const FloatBatch& numbers) {
-#if XSIMD_WITH_AVX512F
-  return _mm512_reduce_min_ps(numbers);
-#elif XSIMD_WITH_AVX
-  __m256 least = _mm256_min_ps(numbers, _mm256_permute2f128_ps(numbers, numbers, 1));
-  least = _mm256_min_ps(least, _mm256_permute_ps(least, 0x4e));
-  return _mm256_cvtss_f32(_mm256_min_ps(least, _mm256_permute_ps(least, 0xb1)));
-#else
-  alignas(64) float of[kBatchLanes];
-  numbers.store_aligned(of);
-  float least = kNever;
-  for (const float number : of) least = minOf(number, least);
-  return least;
-#endif
-}
-
-FloatBatch lanesFrom(int first) {
-  alignas(64) static constexpr float kNumbers[kMostMergerRoom + kBatchLanes] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  return FloatBatch::load_aligned(kNumbers + first);
-}
-
-/// Calls `f(number of a, the same number of b)` for all numbers that a segment has.
-template <class A, class B, class F>
-[[gnu::always_inline]] inline void forEachRow(A& a, const B& b, const F& f) {
-  f(a.begin, b.begin);
-  f(a.end, b.end);
-  f(a.opacity, b.opacity);
-  f(a.through, b.through);
-  for (int channel = 0; channel < 3; ++channel) f(a.color[channel], b.color[channel]);
-}
-
-/// Segments of a ray in kCount vectors.
-template <int kCount>
-struct Lanes {
-  SegmentLanes of[kCount];
-
-  [[gnu::always_inline]] void set(int i, const RaySegment& segment) {
-    for (int batch = 0; batch < kCount; ++batch) {
-      const auto isIt = lanesFrom(batch * kBatchLanes) == FloatBatch(static_cast<float>(i));
-      forEachRow(of[batch], segment, [&](FloatBatch& row, float number) { row = xsimd::select(isIt, FloatBatch(number), row); });
-    }
-  }
-};
-
-/// All pairs of neighbours.
-template <int kCount>
-struct AllPairs {
-  SegmentLanes back[kCount];
-  PairLanes of[kCount];
-
-  /// `next` is behind the last of all lanes.
-  [[gnu::always_inline]] AllPairs(const Lanes<kCount>& front, const RaySegment& next) {
-    for (int batch = 0; batch < kCount; ++batch) {
-      back[batch] = front.of[batch];
-      if (batch + 1 < kCount)
-        forEachRow(back[batch], front.of[batch + 1], [](FloatBatch& row, const FloatBatch& following) { row = moved(row, following); });
-      else
-        forEachRow(back[batch], next, [](FloatBatch& row, float following) { row = moved(row, FloatBatch(following)); });
-      of[batch] = pairsOf(front.of[batch], back[batch]);
-    }
-  }
-
-  /// Of the first `count`: the one that costs least, and what; of equal ones the one in the lowest place.
-  std::pair<int, float> cheapest(int count, const SegmentBatchMerger& merger) const {
-    FloatBatch least(kNever);
-    for (int batch = 0; batch < kCount; ++batch) {
-      const auto isOne = lanesFrom(batch * kBatchLanes) < FloatBatch(static_cast<float>(count));
-      least = xsimd::min(least, xsimd::select(isOne, of[batch].cost, FloatBatch(kNever)));
-    }
-    const float cost = leastOf(least);
-    uint32_t equal = 0;
-    for (int batch = 0; batch < kCount; ++batch) equal |= bitsOf(of[batch].cost == FloatBatch(cost)) << (batch * kBatchLanes);
-    equal &= (uint32_t{1} << count) - 1;
-    int pair = std::countr_zero(equal);
-    while ((equal &= equal - 1) != 0)
-      if (const int other = std::countr_zero(equal); merger.placeOf(other) < merger.placeOf(pair)) pair = other;
-    return {pair, cost};
-  }
-
-  /// What there is when that pair has been merged.
-  void merge(int pair, Lanes<kCount>& lanes) const {
-    const FloatBatch merged(static_cast<float>(pair));
-    for (int batch = 0; batch < kCount; ++batch) {
-      const FloatBatch own = lanesFrom(batch * kBatchLanes);
-      const auto isInFront = own < merged, isMerged = own == merged;
-      forEachRow(lanes.of[batch], back[batch], [&](FloatBatch& row, const FloatBatch& behind) { row = xsimd::select(isInFront, row, behind); });
-      forEachRow(lanes.of[batch], of[batch].both, [&](FloatBatch& row, const FloatBatch& both) { row = xsimd::select(isMerged, both, row); });
-    }
-  }
-};
-
-template <int kCount>
-Lanes<kCount> loaded(const float* rows, int stride) {
-  Lanes<kCount> lanes;
-  for (int batch = 0; batch < kCount; ++batch) {
-    const float* at = rows + batch * kBatchLanes;
-    forEachRow(lanes.of[batch], lanes.of[batch], [&](FloatBatch& row, const FloatBatch&) {
-      row = FloatBatch::load_aligned(at);
-      at += stride;
-    });
-  }
-  return lanes;
-}
-
-template <int kCount>
-void store(const Lanes<kCount>& lanes, float* rows, int stride) {
-  for (int batch = 0; batch < kCount; ++batch) {
-    float* at = rows + batch * kBatchLanes;
-    forEachRow(lanes.of[batch], lanes.of[batch], [&](const FloatBatch& row, const FloatBatch&) {
-      row.store_aligned(at);
-      at += stride;
-    });
-  }
-}
-
-/// Calls `f` with as many vectors as hold a row of a merger of that room.
-template <class F>
-auto visitCount(int room, const F& f) {
-  constexpr auto vectorsFor = [](int lanes) { return lanes > kBatchLanes ? lanes / kBatchLanes : 1; };
-  return room > 8 ? f(std::integral_constant<int, vectorsFor(kMostMergerRoom)>()) : f(std::integral_constant<int, vectorsFor(8)>());
-}
+[[gnu::always_inline]] inline FloatBatch costOf(const SegmentLanes& front, const SegmentLanes& back) { return costOf(extentOf(front, back), front, back); }
 
 }  // namespace
 
-void SegmentBatchMerger::take(const SegmentMerger& other) {
-  clear();
-  unseen_ = other.unseen_;
-  group_ = other.group_;
-  grouped_ = other.grouped_;
-  for (int i = other.first(); i != SegmentMerger::kNone; i = other.behind(i)) {
-    if (size_ > 0) put(size_ - 1, tail_);
-    tail_ = other[i];
-    places_ = (places_ & ~(uint64_t{15} << (4 * size_))) | static_cast<uint64_t>(i) << (4 * size_);
-    ++size_;
-  }
+SegmentBatchMerger::SegmentBatchMerger(int room) : room_(room), rows_(static_cast<size_t>(room) + 1) {
+  for (int lane = 0; lane < kRays; ++lane) rays_[lane].batch_ = this, rays_[lane].lane_ = lane;
 }
 
-void SegmentBatchMerger::give(SegmentMerger& other) const {
+SegmentBatchMerger::Ray& SegmentBatchMerger::begin(int lane) {
+  Ray& ray = rays_[lane];
+  ray.count_ = 0;
+  ray.group_ = Ray::kNoGroup;
+  ray.places_ = Ray::kInOrder;
+  unseen_[lane] = 0.0f;
+  return ray;
+}
+
+SegmentBatchMerger::Ray& SegmentBatchMerger::begin(int lane, const SegmentMerger& other) {
+  Ray& ray = begin(lane);
+  unseen_[lane] = other.unseen_;
+  ray.group_ = other.group_;
+  ray.grouped_ = other.grouped_;
+  for (int i = other.first(); i != SegmentMerger::kNone; i = other.behind(i)) {
+    const int bits = 4 * ray.count_;
+    ray.places_ = (ray.places_ & ~(uint64_t{15} << bits)) | static_cast<uint64_t>(i) << bits;
+    ray.add(other[i]);
+  }
+  return ray;
+}
+
+int SegmentBatchMerger::placeOf(int lane, int i) const {
+  return hasCosts_ ? static_cast<int>(places_[i][lane]) : static_cast<int>(rays_[lane].places_ >> (4 * i) & 15);
+}
+
+void SegmentBatchMerger::give(int lane, SegmentMerger& other) const {
   other = SegmentMerger(room_);
-  other.size_ = size_;
-  other.unseen_ = unseen_;
-  other.group_ = group_;
-  other.grouped_ = grouped_;
-  if (size_ == 0) return;
-  other.tail_ = tail_;
-  other.tailPlace_ = placeOf(size_ - 1);
-  for (int i = 0; i + 1 < size_; ++i) {
-    const int place = placeOf(i), behind = placeOf(i + 1);
-    other.memory_.setSegment(place, at(i));
-    other.memory_.setCost(place, std::bit_cast<uint32_t>(squaredMergeCost(at(i), (*this)[i + 1])));
+  other.size_ = size(lane);
+  other.unseen_ = unseen_[lane];
+  other.group_ = rays_[lane].group_;
+  other.grouped_ = rays_[lane].grouped_;
+  if (other.size_ == 0) return;
+  other.tailPlace_ = placeOf(lane, other.size_ - 1);
+  other.tail_ = segment(lane, other.size_ - 1);
+  for (int i = 0; i + 1 < other.size_; ++i) {
+    const int place = placeOf(lane, i), behind = placeOf(lane, i + 1);
+    other.memory_.setSegment(place, segment(lane, i));
+    other.memory_.setCost(place, std::bit_cast<uint32_t>(squaredMergeCost(segment(lane, i), segment(lane, i + 1))));
     other.next_.set(place, behind);
     other.before_.set(behind, place);
   }
 }
 
-void SegmentBatchMerger::freePlaceBehind(int first) {
-  const int bits = 4 * (first + 1), last = 4 * (room_ - 1);
-  const uint64_t inFront = (uint64_t{1} << bits) - 1, freed = places_ >> bits & 15;
-  const uint64_t behind = (places_ >> 4) & ~inFront & ((uint64_t{1} << last) - 1);
-  places_ = (places_ & inFront) | behind | freed << last;
+template <class F>
+void SegmentBatchMerger::visitRoom(const F& f) {
+  room_ > 8 ? f(std::integral_constant<int, kMostMergerRoom>()) : f(std::integral_constant<int, 8>());
 }
 
-template <int kCount>
-bool SegmentBatchMerger::lookAtAllIn(const RaySegment& next, float cost) {
-  Lanes<kCount> lanes = loaded<kCount>(rows_[0], kRowLanes);
-  lanes.set(room_ - 1, tail_);
-  if (room_ < kCount * kBatchLanes) lanes.set(room_, next);
-  AllPairs<kCount> pairs(lanes, next);
-  const auto [pair, least] = pairs.cheapest(room_ - 1, *this);
-  const bool isOfTail = cost <= least;
-  unseen_ = kMergedUnseenSquared * (isOfTail ? cost : least);
-  if (isOfTail) return false;
-  pairs.merge(pair, lanes);
-  store(lanes, rows_[0], kRowLanes);
-  freePlaceBehind(pair);
-  tail_ = next;
-  return true;
-}
-
-bool SegmentBatchMerger::lookAtAll(const RaySegment& next, float cost) {
-  return visitCount(room_, [&]<int kCount>(std::integral_constant<int, kCount>) { return lookAtAllIn<kCount>(next, cost); });
-}
-
-template <int kCount>
-void SegmentBatchMerger::reduceIn(int most) {
-  Lanes<kCount> lanes = loaded<kCount>(rows_[0], kRowLanes);
-  lanes.set(size_ - 1, tail_);
-  for (; size_ > most; --size_) {
-    AllPairs<kCount> pairs(lanes, RaySegment{});
-    const int pair = pairs.cheapest(size_ - 1, *this).first;
-    pairs.merge(pair, lanes);
-    freePlaceBehind(pair);
+/// And where all are.
+template <int kRoom>
+void SegmentBatchMerger::findCosts() {
+  for (int i = 0; i < kRoom; ++i) {
+    for (int lane = 0; lane < kRays; ++lane) places_[i][lane] = static_cast<float>(rays_[lane].places_ >> (4 * i) & 15);
+    if (i + 1 < kRoom) costOf(lanes(i), lanes(i + 1)).store_aligned(costs_[i]);
   }
-  store(lanes, rows_[0], kRowLanes);
-  tail_ = at(size_ - 1);
+  hasCosts_ = true;
 }
 
-void SegmentBatchMerger::reduceTo(int most) {
-  endGroup();
-  if (size_ > most) visitCount(room_, [&]<int kCount>(std::integral_constant<int, kCount>) { reduceIn<kCount>(most); });
+template <int kRoom>
+SegmentBatchMerger::Cheapest SegmentBatchMerger::cheapest() const {
+  Cheapest found{FloatBatch(0.0f), FloatBatch(kNever)};
+  FloatBatch place(kNowhere);
+  const FloatBatch last = sizes() - 1.0f;
+  for (int i = 0; i + 1 < kRoom; ++i) {
+    const FloatBatch number(static_cast<float>(i)), cost = FloatBatch::load_aligned(costs_[i]), ownPlace = FloatBatch::load_aligned(places_[i]);
+    const auto isCheaper = number < last && (cost < found.cost || (cost == found.cost && ownPlace < place));
+    found.at = xsimd::select(isCheaper, number, found.at);
+    found.cost = xsimd::select(isCheaper, cost, found.cost);
+    place = xsimd::select(isCheaper, ownPlace, place);
+  }
+  return found;
 }
 
-void SegmentBatchMerger::finish(int most, const RayLattice& lattice) {
-  reduceTo(most);
-  float last = -std::numeric_limits<float>::infinity();
-  for (int i = 0; i < size_; ++i) {
-    RaySegment segment = (*this)[i];
-    if (segment.length() > 0.0f) {
-      const bool isBeforePoint = i + 1 < size_ && !((*this)[i + 1].length() > 0.0f);
-      settle(segment, lattice, last, isBeforePoint ? (*this)[i + 1].begin : std::numeric_limits<float>::infinity());
-      rows_[0][i] = segment.begin, rows_[1][i] = segment.end;
-      if (i + 1 == size_) tail_ = segment;
+/// In the lanes of `merges`: merges the segments number `at` and the one behind; what follows moves up, and `next` behind it, to merge with which costs the last one `costOfNext`.
+template <int kRoom>
+void SegmentBatchMerger::mergePairs(const Is& merges, const FloatBatch& at, const SegmentRow& next, const FloatBatch& costOfNext) {
+  const FloatBatch pair = xsimd::select(merges, at, FloatBatch(kNowhere));
+  const auto number = [](int i) { return FloatBatch(static_cast<float>(i)); };
+  SegmentLanes before = next.lanes(), front = before, back = before, behind = before;
+  const auto gather = [&](SegmentLanes& to, int from, const Is& isIt) {
+    const SegmentRow& row = rows_[static_cast<size_t>(from)];
+    forEachNumber(to, [&](int i, FloatBatch& own) { own = xsimd::select(isIt, row.lanes(i), own); });
+  };
+  for (int i = 0; i + 1 < kRoom; ++i) {
+    const Is isIt = pair == number(i);
+    if (i > 0) gather(before, i - 1, isIt);
+    gather(front, i, isIt);
+    gather(back, i + 1, isIt);
+    if (i + 2 < kRoom) gather(behind, i + 2, isIt);
+  }
+  const SegmentLanes both = mergedTo(extentOf(front, back), front, back);
+  const FloatBatch costBefore = costOf(before, both), cost = costOf(both, behind);
+  FloatBatch freed(0.0f);
+  for (int i = 0; i < kRoom; ++i) {
+    SegmentRow& row = rows_[static_cast<size_t>(i)];
+    const SegmentRow& following = i + 1 < kRoom ? rows_[static_cast<size_t>(i) + 1] : next;
+    const Is isIt = pair == number(i), isBehind = pair < number(i);
+    forEachNumber(both, [&](int which, const FloatBatch& ofBoth) {
+      xsimd::select(isIt, ofBoth, xsimd::select(isBehind, following.lanes(which), row.lanes(which))).store_aligned(row.of[which]);
+    });
+    const FloatBatch ownPlace = FloatBatch::load_aligned(places_[i]);
+    freed = xsimd::select(pair + 1.0f == number(i), ownPlace, freed);
+    const FloatBatch nextPlace = i + 1 < kRoom ? FloatBatch::load_aligned(places_[i + 1]) : freed;
+    xsimd::select(isBehind, nextPlace, ownPlace).store_aligned(places_[i]);
+    if (i + 1 == kRoom) break;
+    const FloatBatch ownCost = FloatBatch::load_aligned(costs_[i]), nextCost = i + 2 < kRoom ? FloatBatch::load_aligned(costs_[i + 1]) : costOfNext;
+    xsimd::select(isIt, cost, xsimd::select(isBehind, nextCost, xsimd::select(pair == number(i + 1), costBefore, ownCost))).store_aligned(costs_[i]);
+  }
+}
+
+/// As BasicSegmentMerger's of a full one, in the lanes of `isThere`.
+template <int kRoom>
+void SegmentBatchMerger::add(const SegmentRow& nextRow, const Is& isThere) {
+  const SegmentLanes tail = lanes(kRoom - 1), next = nextRow.lanes();
+  FloatBatch unseen = FloatBatch::load_aligned(unseen_);
+  const auto extent = extentOf(tail, next);
+  Is isMerged = isThere && isSurelyAtMost(tail, next, unseen);
+  if (xsimd::any(isThere && !isMerged)) {
+    const FloatBatch cost = costOf(extent, tail, next);
+    isMerged = isMerged || (isThere && cost <= unseen);
+    Is looks = isThere && !isMerged;
+    if (xsimd::any(looks)) {
+      costOf(lanes(kRoom - 2), tail).store_aligned(costs_[kRoom - 2]);
+      const Cheapest found = cheapest<kRoom>();
+      const Is isOfTail = looks && cost <= found.cost;
+      xsimd::select(looks, xsimd::select(isOfTail, cost, found.cost) * kMergedUnseenSquared, unseen).store_aligned(unseen_);
+      isMerged = isMerged || isOfTail;
+      looks = looks && !isOfTail;
+      if (xsimd::any(looks)) mergePairs<kRoom>(looks, found.at, nextRow, cost);
     }
-    last = segment.end;
+  }
+  rows_[kRoom - 1].set(selected(isMerged, mergedTo(extent, tail, next), lanes(kRoom - 1)));
+}
+
+void SegmentBatchMerger::merge(int rays) {
+  alignas(64) float counts[kRays];
+  int most = 0;
+  for (int lane = 0; lane < kRays; ++lane) {
+    const int count = lane < rays ? rays_[lane].count_ : 0;
+    most = std::max(most, count);
+    counts[lane] = static_cast<float>(count);
+    sizes_[lane] = static_cast<float>(std::min(count, room_));
+  }
+  hasCosts_ = false;
+  if (most <= room_) return;
+  visitRoom([&]<int kRoom>(std::integral_constant<int, kRoom>) {
+    findCosts<kRoom>();
+    for (int i = kRoom; i < most; ++i) add<kRoom>(rows_[static_cast<size_t>(i)], FloatBatch(static_cast<float>(i)) < FloatBatch::load_aligned(counts));
+  });
+}
+
+void SegmentBatchMerger::finish(int most, const RayLattice* const* lattices) {
+  const auto hasMore = [&] { return sizes() > FloatBatch(static_cast<float>(most)); };
+  if (xsimd::any(hasMore()))
+    visitRoom([&]<int kRoom>(std::integral_constant<int, kRoom>) {
+      if (hasCosts_)
+        costOf(lanes(kRoom - 2), lanes(kRoom - 1)).store_aligned(costs_[kRoom - 2]);
+      else
+        findCosts<kRoom>();
+      for (Is merges = hasMore(); xsimd::any(merges); merges = hasMore()) {
+        mergePairs<kRoom>(merges, cheapest<kRoom>().at, {}, FloatBatch(kNever));
+        xsimd::select(merges, sizes() - 1.0f, sizes()).store_aligned(sizes_);
+      }
+    });
+  alignas(64) float of[4][kRays] = {};
+  int largest = 0;
+  for (int lane = 0; lane < kRays; ++lane) {
+    largest = std::max(largest, size(lane));
+    const auto borders = size(lane) > 0 ? LatticeBorders<float>::of(*lattices[lane]) : LatticeBorders<float>{0.0f, 1.0f, 1.0f, 1.0f};
+    of[0][lane] = borders.t0, of[1][lane] = borders.dt, of[2][lane] = borders.count, of[3][lane] = borders.end;
+  }
+  const auto loaded = [&](int i) { return FloatBatch::load_aligned(of[i]); };
+  const LatticeBorders<FloatBatch> borders{loaded(0), loaded(1), loaded(2), loaded(3)};
+  const FloatBatch zero(0.0f);
+  FloatBatch last(-kNever);
+  for (int i = 0; i < largest; ++i) {
+    SegmentRow& row = rows_[static_cast<size_t>(i)];
+    const SegmentLanes next = lanes(i + 1);
+    SegmentLanes own = row.lanes();
+    const FloatBatch number(static_cast<float>(i));
+    const Is hasLength = own.length() > zero, isBeforePoint = number + 1.0f < sizes() && !(next.length() > zero);
+    SegmentLanes settled = own;
+    settle<FloatBatch>(settled, borders, last, xsimd::select(isBeforePoint, next.begin, FloatBatch(kNever)));
+    own.begin = xsimd::select(hasLength, settled.begin, own.begin);
+    own.end = xsimd::select(hasLength, settled.end, own.end);
+    own.begin.store_aligned(row.of[0]);
+    own.end.store_aligned(row.of[1]);
+    last = own.end;
   }
 }
 

@@ -1,104 +1,113 @@
-// Merging a ray's samples into segments on the CPU: what all pairs of neighbours would cost at once, as lanes of vectors.
-// What becomes of a ray is what BasicSegmentMerger (ray_segments.h) makes of it, bit for bit, by its formulas: that one keeps what each pair costs and computes it anew for
-// the two beside a merge, one after the other; here that of all pairs is computed whenever it is asked for, which takes less time than two of them do.
+// Merging the samples of as many rays as vectors have lanes on the CPU, side by side.
+// Rays are marched one after the other, and of each is kept what it meets: samples while there is room for them as they are, from then on groups (ray_segments.h). When as many
+// rays have been marched as there are lanes these are merged, of all rays at once, what they have met first before what they have met second: to what BasicSegmentMerger makes
+// of each, bit for bit, by its formulas. A look at all segments of a ray takes as long for one ray as for all, and in most turns some ray wants one.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "render/core/simd.h"
 #include "render/march/ray_segments.h"
+#include "render/march/segment_lanes.h"
 
 namespace warpscope {
 
-/// Segments of the ray that is marched, near to far.
 class SegmentBatchMerger {
  public:
-  static constexpr int kNone = -1;
+  static constexpr int kRays = kBatchLanes;
 
-  /// As BasicSegmentMerger's.
-  explicit SegmentBatchMerger(int room) : room_(room) { clear(); }
-  void clear() {
-    size_ = 0;
-    group_ = kNone;
-    unseen_ = 0.0f;
-    places_ = kInOrder;
-  }
+  /// One of the rays, while it is marched.
+  class Ray {
+   public:
+    Ray(const Ray&) = delete;
+    Ray& operator=(const Ray&) = delete;
 
-  /// Becomes what `other`, which has as much room, is; and the other way round.
-  void take(const SegmentMerger& other);
-  void give(SegmentMerger& other) const;
+    /// As BasicSegmentMerger's. Ends groups by itself.
+    static constexpr bool kIsToldOfGroups = false;
+    void addStep(const RaySegment& next, int step) {
+      if (count_ < batch_->room_) endGroup();  // of a ray that was handed on so
+      if (count_ < batch_->room_) return add(next);
+      const int group = step / kGroupedSteps;
+      if (group == group_) return mergeInto(grouped_, next);
+      endGroup();
+      group_ = group;
+      grouped_ = next;
+    }
+    void add(const RaySegment& next) { batch_->put(lane_, count_++, next); }
 
-  /// Without the group that has not ended, here and below.
-  int size() const { return size_; }
-  int first() const { return behind(-1); }
-  int behind(int i) const { return i + 1 < size_ ? i + 1 : kNone; }
-  RaySegment operator[](int i) const { return i + 1 == size_ ? tail_ : at(i); }
+    /// Nothing else of the group follows.
+    void endGroup() {
+      if (group_ != kNoGroup) add(grouped_);
+      group_ = kNoGroup;
+    }
+
+   private:
+    friend class SegmentBatchMerger;
+    static constexpr int kNoGroup = -1;
+    static constexpr uint64_t kInOrder = 0xfedcba9876543210u;
+
+    Ray() = default;
+
+    SegmentBatchMerger* batch_ = nullptr;
+    int lane_ = 0, count_ = 0;
+    int group_ = kNoGroup;        // that has not ended
+    RaySegment grouped_;          // its samples, as one
+    uint64_t places_ = kInOrder;  // four bits each: where BasicSegmentMerger would have what was handed on
+  };
+
+  /// `room`: segments that are kept of a ray until it has ended; 8 or 16.
+  explicit SegmentBatchMerger(int room);
+  SegmentBatchMerger(const SegmentBatchMerger&) = delete;
+  SegmentBatchMerger& operator=(const SegmentBatchMerger&) = delete;
+
+  /// The ray in that lane is one that has met nothing, or what was handed on, which has as much room. Lanes are taken from 0 on.
+  Ray& begin(int lane);
+  Ray& begin(int lane, const SegmentMerger& other);
+
+  /// Merges what the rays in the first so many lanes have met, but for groups that have not ended. What follows is of these.
+  void merge(int rays);
+  /// `other` becomes what the ray is.
+  void give(int lane, SegmentMerger& other) const;
+  /// Of rays that have ended, as BasicSegmentMerger's finish(). `lattices`: of each ray.
+  void finish(int most, const RayLattice* const* lattices);
+
+  int size(int lane) const { return static_cast<int>(sizes_[lane]); }
+  /// The i-th, near to far.
+  RaySegment segment(int lane, int i) const { return rows_[static_cast<size_t>(i)].segment(lane); }
+  SegmentLanes lanes(int i) const { return rows_[static_cast<size_t>(i)].lanes(); }
+  FloatBatch sizes() const { return FloatBatch::load_aligned(sizes_); }
   /// Where BasicSegmentMerger would have it.
-  int placeOf(int i) const { return static_cast<int>(places_ >> (4 * i) & 15); }
-
-  /// The sample of a step, which comes next. Ends groups by itself.
-  static constexpr bool kIsToldOfGroups = false;
-  void addStep(const RaySegment& next, int step) {
-    if (size_ < room_) endGroup();  // of a ray that was handed on so
-    if (size_ < room_) return add(next);
-    const int group = step / kGroupedSteps;
-    if (group == group_) return mergeInto(grouped_, next);
-    endGroup();
-    group_ = group;
-    grouped_ = next;
-  }
-  /// What comes next along the ray, of no group, where none waits for its end.
-  void add(const RaySegment& next) {
-    if (size_ < room_) {
-      if (size_ > 0) put(size_ - 1, tail_);
-      tail_ = next;
-      ++size_;
-      return;
-    }
-    if (!isSurelyAtMost(tail_, next, unseen_)) {
-      const float cost = squaredMergeCost(tail_, next);
-      if (!(cost <= unseen_) && lookAtAll(next, cost)) return;
-    }
-    mergeInto(tail_, next);
-  }
-
-  void reduceTo(int most);
-  void finish(int most, const RayLattice& lattice);
+  int placeOf(int lane, int i) const;
 
  private:
-  static constexpr uint64_t kInOrder = 0xfedcba9876543210u;
-  /// Vectors that hold a row of as many as there may be.
-  static constexpr int kBatches = kMostMergerRoom > kBatchLanes ? kMostMergerRoom / kBatchLanes : 1, kRowLanes = kBatches * kBatchLanes;
-  static constexpr int kRows = 7;  // begin, end, opacity, through, colour
-
-  RaySegment at(int i) const {
-    return {rows_[0][i], rows_[1][i], rows_[2][i], rows_[3][i], {rows_[4][i], rows_[5][i], rows_[6][i]}};
+  using Is = xsimd::batch_bool<float>;
+  void put(int lane, int i, const RaySegment& segment) {
+    if (static_cast<size_t>(i) >= rows_.size()) rows_.emplace_back();
+    rows_[static_cast<size_t>(i)].setSegment(lane, segment);
   }
-  void put(int i, const RaySegment& segment) {
-    const float of[kRows] = {segment.begin, segment.end, segment.opacity, segment.through, segment.color.x, segment.color.y, segment.color.z};
-    for (int row = 0; row < kRows; ++row) rows_[row][i] = of[row];
-  }
+  /// Calls `f` with the room, known when it is compiled: std::integral_constant.
+  template <class F>
+  void visitRoom(const F& f);
+  template <int kRoom>
+  void findCosts();
+  template <int kRoom>
+  void add(const SegmentRow& next, const Is& isThere);
+  template <int kRoom>
+  void mergePairs(const Is& merges, const FloatBatch& at, const SegmentRow& next, const FloatBatch& costOfNext);
+  struct Cheapest {
+    FloatBatch at, cost;
+  };
+  template <int kRoom>
+  Cheapest cheapest() const;
 
-  /// Merges those two of all, the tail among them, that cost least and makes `next` the tail; false if none cost less than `cost`, that of the tail and `next`.
-  bool lookAtAll(const RaySegment& next, float cost);
-  template <int kCount>
-  bool lookAtAllIn(const RaySegment& next, float cost);
-  template <int kCount>
-  void reduceIn(int most);
-  void endGroup() {
-    if (group_ != kNone) add(grouped_);
-    group_ = kNone;
-  }
-  /// The one behind that at `first` is gone.
-  void freePlaceBehind(int first);
-
-  alignas(64) float rows_[kRows][kRowLanes] = {};
-  int room_, size_ = 0;
-  RaySegment tail_;        // the last one; its place in rows_ has anything
-  int group_ = kNone;      // whose samples are kept, as one
-  RaySegment grouped_;
-  float unseen_ = 0.0f;    // what costs no more, squared, is merged into the tail without a look at the others
-  uint64_t places_ = kInOrder;  // four bits each, of all that there is room for: those of segments, then those that are free
+  int room_;
+  bool hasCosts_ = false;       // and places
+  Ray rays_[kRays];
+  std::vector<SegmentRow> rows_;  // what the rays have met, near to far: the first `room_` are what they have been merged to
+  alignas(64) float sizes_[kRays] = {};
+  alignas(64) float unseen_[kRays] = {};                 // what costs no more, squared, is merged into the last one without a look at the others
+  alignas(64) float costs_[kMostMergerRoom][kRays] = {};  // of merging each with the one behind it, squared; that of the last two may be of before one has grown
+  alignas(64) float places_[kMostMergerRoom][kRays] = {};
 };
 
 }  // namespace warpscope

@@ -25,6 +25,7 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_relay.h"
+#include "render/march/segment_batch_encoder.h"
 #include "render/march/segment_batch_merger.h"
 #include "render/march/visible_blocks.h"
 
@@ -51,6 +52,7 @@ struct RayJob {
   const std::stop_token& stop;
   OnRay onRay;
   RayRelay* relay = nullptr;  ///< of pieces; null: rays are marched whole
+  const SampleRule* rule = nullptr;  ///< how segments are sent; null where they are wanted as they are
 };
 
 template <class Voxel>
@@ -111,15 +113,27 @@ class TileMarcher {
   }
 
  private:
-  /// Used again from ray to ray.
+  /// What a ray has come to, which may wait for those beside it. Used again from ray to ray.
+  struct RayScratch {
+    FinishedRay finished;
+    std::vector<CountingSample> counting;
+    RaySamples found;
+    RayLattice lattice;
+    RelayedRay* handed = nullptr;  // null where rays are marched whole
+    SegmentList list;
+    EncodedSegments encoded;
+    NormalCode normals[kMostMergerRoom];  // by the segments' numbers
+  };
   struct Scratch {
     explicit Scratch(int mostSegments) : segments(mergerRoomFor(mostSegments)) {}
 
-    std::vector<CountingSample> counting;
-    RaySamples found;
+    RayScratch rays[SegmentBatchMerger::kRays];
+    int waiting = 0;  // the first so many, for their segments
     SegmentBatchMerger segments;
-    NormalCode normals[kMostMergerRoom];  // by the segments' places
-    FinishedSegments finished;
+    FinishedSegments handedOn;
+
+    /// The next one's.
+    RayScratch& ray() { return rays[waiting]; }
   };
 
   void marchTile(const PixelArea& tile, RelayedTile* relayed) const {
@@ -133,14 +147,17 @@ class TileMarcher {
         marchPixel(x, y, scratch, relayed);
       }
     }
+    finishWaiting(scratch);
   }
 
   void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
     constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};
     if (relayed == nullptr || relayed->ray(x, y).state.next == 0) WARPSCOPE_COUNT(rays, 1);
     RelayedRay* const handed = relayed != nullptr ? &relayed->ray(x, y) : nullptr;
-    FinishedRay finished{x, y};
+    RayScratch& own = scratch.ray();
+    FinishedRay& finished = own.finished = FinishedRay{x, y};
     finished.tile = relayed;
+    own.handed = handed;
     const VisibleDepths depths = blocks_ ? blocks_->at(x, y) : kEverything;
     if (depths.isEmpty()) {
       if (handed != nullptr) handed->isDone = true;
@@ -157,45 +174,88 @@ class TileMarcher {
     path.lattice.t0 += jitter_.shiftOf(x, y);
     SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
     if (handed != nullptr) {
-      const SampleSpan own = exceptionsExpected([&] { return samplesWithin(job_.relay->block(), volumeOf(view_), ray, path.lattice); });  // hardly any direction
-      span = {std::max({span.begin, own.begin, handed->state.next}), std::min(span.end, own.end)};
-      handed->state.next = std::max(own.end, handed->state.next);
+      const SampleSpan ofBlock = exceptionsExpected([&] { return samplesWithin(job_.relay->block(), volumeOf(view_), ray, path.lattice); });  // hardly any direction
+      span = {std::max({span.begin, ofBlock.begin, handed->state.next}), std::min(span.end, ofBlock.end)};
+      handed->state.next = std::max(ofBlock.end, handed->state.next);
       if (span.begin >= span.end && !relayed->isLast && !relayed->isAgain) return;
     }
     Source source = exceptionsExpected([&] { return Source(view_, ray, path.lattice); });  // reciprocals again
     finished.cosine = pixel.cosine;
+    own.lattice = path.lattice;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>)
-      if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, *handed, scratch, finished) : marchPiece(path, span, source, *handed, scratch, finished);
-    std::vector<CountingSample>& counting = scratch.counting;
+      if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, *handed, scratch) : marchPiece(path, span, source, *handed, scratch);
+    std::vector<CountingSample>& counting = own.counting;
     counting.clear();
     finished.counting = &counting;
     const auto sink = [&](const CountingSample& met) {
       if (job_.sample != nullptr) counting.push_back(met);
     };
+    SegmentBatchMerger::Ray* segments = nullptr;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
-      SegmentBatchMerger& segments = scratch.segments;
-      segments.clear();
-      SegmentedColor<StableMarch, SegmentBatchMerger> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
+      segments = mostSegments_ > 0 ? &scratch.segments.begin(scratch.waiting) : nullptr;
+      SegmentedColor<StableMarch, SegmentBatchMerger::Ray> color(segments, path.lattice);
       marchSpan(path, span, source, color, sink, finished);
-      if (mostSegments_ > 0) {
-        finishSegments(segments, path);
-        findNormals(source, ray, segments, [](int) { return true; }, scratch.normals);
-        scratch.finished.take(segments, hasNormals_ ? scratch.normals : nullptr, finished);
-      }
     } else {
       GatheredColor<typename Source::March> color;
       marchSpan(path, span, source, color, sink, finished);
     }
-    scratch.found.clear();
+    own.found.clear();
     if (job_.sample != nullptr && !counting.empty()) {
       if (!isDivided_ || counting.size() == 1)
-        scratch.found.add({depthOfSamples_(counting), finished.premultiplied});
+        own.found.add({depthOfSamples_(counting), finished.premultiplied});
       else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
-        findParts(path, counting, scratch.found);
+        findParts(path, counting, own.found);
     }
-    finished.samples = &scratch.found;
-    job_.onRay(finished);
+    finished.samples = &own.found;
+    if (segments == nullptr) return job_.onRay(finished);
+    segments->endGroup();
+    waitForSegments(scratch);
   }
+
+  /// The ray's segments are merged when there are as many rays as are merged at once.
+  void waitForSegments(Scratch& scratch) const {
+    if (++scratch.waiting == SegmentBatchMerger::kRays) finishWaiting(scratch);
+  }
+  void finishWaiting(Scratch& scratch) const {
+    const int rays = std::exchange(scratch.waiting, 0);
+    if (rays == 0) return;
+    SegmentBatchMerger& segments = scratch.segments;
+    segments.merge(rays);
+    const RayLattice* lattices[SegmentBatchMerger::kRays];
+    float cosines[SegmentBatchMerger::kRays];
+    const NormalCode* normals[SegmentBatchMerger::kRays];
+    EncodedSegments* encoded[SegmentBatchMerger::kRays];
+    for (int lane = 0; lane < rays; ++lane) {
+      RayScratch& own = scratch.rays[lane];
+      lattices[lane] = &own.lattice;
+      cosines[lane] = own.finished.cosine;
+      normals[lane] = own.normals;
+      encoded[lane] = &own.encoded;
+      if (own.handed == nullptr || own.handed->isDone) WARPSCOPE_COUNT(segmentedRays, 1);
+      if (own.handed != nullptr && !own.handed->isDone) segments.give(lane, segmentsOf(own));
+    }
+    segments.finish(mostSegments_, lattices);
+    if (job_.relay == nullptr)
+      for (int lane = 0; lane < rays; ++lane) findNormals(segments, lane, scratch.rays[lane]);
+    if (job_.rule != nullptr) encodeSegments(segments, rays, cosines, job_.rule->quantization, hasNormals_ ? normals : nullptr, encoded);
+    for (int lane = 0; lane < rays; ++lane) finishRay(segments, lane, scratch.rays[lane]);
+  }
+  /// Whose segments have been merged.
+  void finishRay(const SegmentBatchMerger& segments, int lane, RayScratch& own) const {
+    if (own.handed != nullptr) {
+      if (!own.handed->isDone) return;
+      if (own.finished.tile->goesTwice) return segments.give(lane, segmentsOf(own));
+    }
+    if (job_.rule != nullptr) {
+      own.finished.encoded = &own.encoded;
+    } else {
+      own.list.clear();
+      for (int i = 0; i < segments.size(lane); ++i) own.list.add(segments.segment(lane, i));
+      own.finished.segments = &own.list;
+    }
+    own.handed != nullptr ? finishPiece(own) : job_.onRay(own.finished);
+  }
+  static SegmentMerger& segmentsOf(const RayScratch& ray) { return ray.finished.tile->segments[placeOf(*ray.handed, *ray.finished.tile)]; }
 
   template <class Color, class Sink>
   void marchSpan(const RayPath& path, const SampleSpan& span, Source& source, Color& color, const Sink& sink, FinishedRay& finished) const {
@@ -208,12 +268,13 @@ class TileMarcher {
   }
 
   /// A piece of a ray that a relay has brought, behind those that are marched; what it comes to if it is the last.
-  void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
+  void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch) const {
+    RayScratch& own = scratch.ray();
+    FinishedRay& finished = own.finished;
     RelayedTile& tile = *finished.tile;
     RelayedState& state = handed.state;
-    SegmentBatchMerger* const segments = mostSegments_ > 0 ? &scratch.segments : nullptr;
-    if (segments != nullptr) segments->take(tile.segments[placeOf(handed, tile)]);
-    SegmentedColor<StableMarch, SegmentBatchMerger> color(segments, path.lattice);
+    SegmentBatchMerger::Ray* const segments = mostSegments_ > 0 ? &scratch.segments.begin(scratch.waiting, segmentsOf(own)) : nullptr;
+    SegmentedColor<StableMarch, SegmentBatchMerger::Ray> color(segments, path.lattice);
     static_cast<RayColor&>(color) = state.color;
     const auto sink = [&](const CountingSample& met) {
       if (job_.sample == nullptr) return;
@@ -235,16 +296,17 @@ class TileMarcher {
     }
     state.color = color;
     handed.isDone = finished.isEnded || tile.isLast;
-    const bool goesOn = !handed.isDone || tile.goesTwice;
     if (segments != nullptr) {
-      if (handed.isDone) finishSegments(*segments, path);
-      goesOn ? segments->give(tile.segments[placeOf(handed, tile)]) : scratch.finished.take(*segments, nullptr, finished);
+      if (handed.isDone) segments->endGroup();
+      return waitForSegments(scratch);
     }
-    if (!goesOn) finishPiece(handed, scratch, finished);
+    if (handed.isDone && !tile.goesTwice) finishPiece(own);
   }
 
   /// A piece of it on the second way.
-  void marchAgain(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
+  void marchAgain(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch) const {
+    RayScratch& own = scratch.ray();
+    FinishedRay& finished = own.finished;
     RelayedTile& tile = *finished.tile;
     RelayedAgain& again = tile.again[placeOf(handed, tile)];
     const auto closePart = [&](const RayPiece& piece) {
@@ -259,46 +321,46 @@ class TileMarcher {
     }
     if (hasNormals_) {
       const SegmentMerger& segments = tile.segments[placeOf(handed, tile)];
-      findNormals(source, path.ray, segments, [&](int i) { return isWithin(job_.relay->block(), source.view(), path.ray, placeToLight(segments[i])); }, again.normals);
+      for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
+        const float t = placeToLight(segments[i]);
+        if (isWithin(job_.relay->block(), source.view(), path.ray, t)) again.normals[i] = normalAt(path.ray, t);
+      }
     }
     if (!tile.isLast) return;
     handed.isDone = true;
     finished.premultiplied = handed.state.color.premultiplied();
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
-    if (mostSegments_ > 0) scratch.finished.take(tile.segments[placeOf(handed, tile)], hasNormals_ ? again.normals : nullptr, finished);
+    if (mostSegments_ > 0) scratch.handedOn.take(segmentsOf(own), hasNormals_ ? again.normals : nullptr, finished);
     if (again.isDivided) {
       finished.samples = &again.found;
       return job_.onRay(finished);
     }
-    finishPiece(handed, scratch, finished);
+    finishPiece(own);
   }
 
   /// A ray that has one sample at most.
-  void finishPiece(const RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
-    findSampleOf(handed, depthOfSamples_, folded_.heuristic, finished.premultiplied, scratch.found);
-    finished.samples = &scratch.found;
-    job_.onRay(finished);
+  void finishPiece(RayScratch& own) const {
+    findSampleOf(*own.handed, depthOfSamples_, folded_.heuristic, own.finished.premultiplied, own.found);
+    own.finished.samples = &own.found;
+    job_.onRay(own.finished);
   }
 
   static size_t placeOf(const RelayedRay& handed, const RelayedTile& tile) { return static_cast<size_t>(&handed - tile.rays.data()); }
 
-  void finishSegments(SegmentBatchMerger& segments, const RayPath& path) const {
-    WARPSCOPE_COUNT(segmentedRays, 1);
-    segments.finish(mostSegments_, path.lattice);
-  }
-
-  /// Of those segments that `isOwn` says, by their places.
-  template <class Merger, class IsOwn>
-  void findNormals(const Source& source, const Ray& ray, const Merger& segments, const IsOwn& isOwn, NormalCode* normals) const {
+  /// What light asks of the place `t` on the ray.
+  NormalCode normalAt(const Ray& ray, float t) const {
     if constexpr (requires { light_.setup.isLit; }) {
-      if (!hasNormals_) return;
-      for (int i = segments.first(); i != Merger::kNone; i = segments.behind(i)) {
-        if (!isOwn(i)) continue;
-        float gradient[3];
-        gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
-        normals[i] = normalOf(light_.setup, gradient);
-      }
+      float gradient[3];
+      gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(volumeOf(view_), ray, t, gradient);
+      return normalOf(light_.setup, gradient);
     }
+    return {};
+  }
+  /// Of a ray's segments, where some are wanted.
+  void findNormals(const SegmentBatchMerger& segments, int lane, RayScratch& own) const {
+    if (!hasNormals_) return;
+    const Ray ray = job_.pixels.ray(own.finished.x, own.finished.y).ray;
+    for (int i = 0; i < segments.size(lane); ++i) own.normals[i] = normalAt(ray, placeToLight(segments.segment(lane, i)));
   }
 
   /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.

@@ -2,8 +2,11 @@
 // The volume is the real engine where WARPSCOPE_DATA names a folder that holds it, else the built-in block at the same size.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <string>
 
 #include "app/scene/scene.h"
 #include "render/march/compact.h"
@@ -49,6 +52,34 @@ BENCHMARK(march)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
+
+/// Of the scene's first view, as its file says but without light; `segments` a ray, 0 for none.
+void marchScene(benchmark::State& state, const std::string& name, int segments) {
+  const Scene scene = name == "engine" ? openBenchScene() : openScene(name);
+  const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
+  const Camera camera = makeCamera(scene, scene.views.front(), 1024, 1024);
+  MarchSettings settings;
+  settings.render.step = scene.march.render.step;
+  settings.sample.segments = segments;
+  double ms = std::numeric_limits<double>::infinity();
+  size_t samples = 0;
+  for (auto _ : state) {
+    const SampleFrame frame = marcher->march(camera, settings);
+    ms = std::min(ms, frame.timings.marchMs);
+    samples = frame.size();
+  }
+  if (samples < 10000) state.SkipWithError("the picture is nearly empty");
+  state.counters["least_ms"] = ms;
+}
+const bool areScenesRegistered = [] {
+  for (const char* scene : {"engine", "shells", "vessels", "block", "marschner-lobb"})
+    for (const int segments : {0, 4})
+      benchmark::RegisterBenchmark(("marchScene/" + std::string(scene) + "/segments" + std::to_string(segments)).c_str(), marchScene, scene, segments)
+          ->Unit(benchmark::kMillisecond)
+          ->MeasureProcessCPUTime()
+          ->UseRealTime();
+  return true;
+}();
 
 void compaction(benchmark::State& state) {
   constexpr size_t kPixels = 1 << 20;
