@@ -25,9 +25,8 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_relay.h"
-#include "render/march/segment_batch_encoder.h"
-#include "render/march/segment_batch_merger.h"
 #include "render/march/visible_blocks.h"
+#include "render/march/waiting_rays.h"
 
 namespace warpscope {
 
@@ -80,10 +79,13 @@ class TileMarcher {
     if (plan.has(PlanStage::jitter)) jitter_ = jitterFor(job.settings);
     if (job.sample == nullptr) return;
     depthOfSamples_ = {depthFunctionOf(job.sample->heuristic, plan.has(PlanStage::secondPass)), job.sample->threshold, plan.has(PlanStage::spread)};
-    if (plan.has(PlanStage::raySegments)) mostSegments_ = job.sample->segments;
+    if (plan.has(PlanStage::raySegments)) waiting_.mostSegments = job.sample->segments;
     folded_.heuristic = job.sample->heuristic;
     isFolded_ = !isDivided_ && hasOnePass(job.sample->heuristic);
-    if constexpr (requires { light.setup.isLit; }) hasNormals_ = mostSegments_ > 0 && dependsOnEye(light.setup);
+    if constexpr (requires { light.setup.isLit; }) hasNormals_ = waiting_.mostSegments > 0 && dependsOnEye(light.setup);
+    waiting_.rule = job.rule;
+    if (hasNormals_ && job.relay == nullptr) waiting_.normalAt = [this](const MarchedRay& ray, float t) { return normalAt(job_.pixels.ray(ray.finished.x, ray.finished.y).ray, t); };
+    waiting_.onMerged = [this](MarchedRay& ray) { ray.handed != nullptr ? finishPiece(ray) : job_.onRay(ray.finished); };
   }
 
   /// All of the job's area, in tiles of at most `side` pixels. Throws as parallelForTiles() does.
@@ -98,7 +100,7 @@ class TileMarcher {
     parallelForRanges(static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency())), 1, [&](size_t, size_t) {
       try {
         while (std::unique_ptr<RelayedTile> tile = job_.relay->take()) {
-          if (tile->segments.empty() && mostSegments_ > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(mostSegments_)));
+          if (tile->segments.empty() && waiting_.mostSegments > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(waiting_.mostSegments)));
           tile->isDivided = isDivided_;
           tile->goesTwice = isDivided_ || hasNormals_;
           marchTile(tile->area, tile.get());
@@ -113,48 +115,25 @@ class TileMarcher {
   }
 
  private:
-  /// What a ray has come to, which may wait for those beside it. Used again from ray to ray.
-  struct RayScratch {
-    FinishedRay finished;
-    std::vector<CountingSample> counting;
-    RaySamples found;
-    RayLattice lattice;
-    RelayedRay* handed = nullptr;  // null where rays are marched whole
-    SegmentList list;
-    EncodedSegments encoded;
-    NormalCode normals[kMostMergerRoom];  // by the segments' numbers
-  };
-  struct Scratch {
-    explicit Scratch(int mostSegments) : segments(mergerRoomFor(mostSegments)) {}
-
-    RayScratch rays[SegmentBatchMerger::kRays];
-    int waiting = 0;  // the first so many, for their segments
-    SegmentBatchMerger segments;
-    FinishedSegments handedOn;
-
-    /// The next one's.
-    RayScratch& ray() { return rays[waiting]; }
-  };
-
   void marchTile(const PixelArea& tile, RelayedTile* relayed) const {
-    Scratch scratch(mostSegments_);
+    WaitingRays rays(waiting_);
     // Rows may take seconds: a tile is not waited for.
     for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y) {
       Crew::pauseForBreaks();
       for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
         if (relayed != nullptr && (relayed->ray(x, y).isDone || job_.stop.stop_requested())) continue;  // others wait for who is stopped
         keepWithinMemoryLimit();
-        marchPixel(x, y, scratch, relayed);
+        marchPixel(x, y, rays, relayed);
       }
     }
-    finishWaiting(scratch);
+    rays.finish();
   }
 
-  void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
+  void marchPixel(uint32_t x, uint32_t y, WaitingRays& rays, RelayedTile* relayed) const {
     constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};
     if (relayed == nullptr || relayed->ray(x, y).state.next == 0) WARPSCOPE_COUNT(rays, 1);
     RelayedRay* const handed = relayed != nullptr ? &relayed->ray(x, y) : nullptr;
-    RayScratch& own = scratch.ray();
+    MarchedRay& own = rays.next();
     FinishedRay& finished = own.finished = FinishedRay{x, y};
     finished.tile = relayed;
     own.handed = handed;
@@ -183,7 +162,7 @@ class TileMarcher {
     finished.cosine = pixel.cosine;
     own.lattice = path.lattice;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>)
-      if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, *handed, scratch) : marchPiece(path, span, source, *handed, scratch);
+      if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, own) : marchPiece(path, span, source, rays);
     std::vector<CountingSample>& counting = own.counting;
     counting.clear();
     finished.counting = &counting;
@@ -192,7 +171,7 @@ class TileMarcher {
     };
     SegmentBatchMerger::Ray* segments = nullptr;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
-      segments = mostSegments_ > 0 ? &scratch.segments.begin(scratch.waiting) : nullptr;
+      segments = rays.begin();
       SegmentedColor<StableMarch, SegmentBatchMerger::Ray> color(segments, path.lattice);
       marchSpan(path, span, source, color, sink, finished);
     } else {
@@ -209,53 +188,8 @@ class TileMarcher {
     finished.samples = &own.found;
     if (segments == nullptr) return job_.onRay(finished);
     segments->endGroup();
-    waitForSegments(scratch);
+    rays.add();
   }
-
-  /// The ray's segments are merged when there are as many rays as are merged at once.
-  void waitForSegments(Scratch& scratch) const {
-    if (++scratch.waiting == SegmentBatchMerger::kRays) finishWaiting(scratch);
-  }
-  void finishWaiting(Scratch& scratch) const {
-    const int rays = std::exchange(scratch.waiting, 0);
-    if (rays == 0) return;
-    SegmentBatchMerger& segments = scratch.segments;
-    segments.merge(rays);
-    const RayLattice* lattices[SegmentBatchMerger::kRays];
-    float cosines[SegmentBatchMerger::kRays];
-    const NormalCode* normals[SegmentBatchMerger::kRays];
-    EncodedSegments* encoded[SegmentBatchMerger::kRays];
-    for (int lane = 0; lane < rays; ++lane) {
-      RayScratch& own = scratch.rays[lane];
-      lattices[lane] = &own.lattice;
-      cosines[lane] = own.finished.cosine;
-      normals[lane] = own.normals;
-      encoded[lane] = &own.encoded;
-      if (own.handed == nullptr || own.handed->isDone) WARPSCOPE_COUNT(segmentedRays, 1);
-      if (own.handed != nullptr && !own.handed->isDone) segments.give(lane, segmentsOf(own));
-    }
-    segments.finish(mostSegments_, lattices);
-    if (job_.relay == nullptr)
-      for (int lane = 0; lane < rays; ++lane) findNormals(segments, lane, scratch.rays[lane]);
-    if (job_.rule != nullptr) encodeSegments(segments, rays, cosines, job_.rule->quantization, hasNormals_ ? normals : nullptr, encoded);
-    for (int lane = 0; lane < rays; ++lane) finishRay(segments, lane, scratch.rays[lane]);
-  }
-  /// Whose segments have been merged.
-  void finishRay(const SegmentBatchMerger& segments, int lane, RayScratch& own) const {
-    if (own.handed != nullptr) {
-      if (!own.handed->isDone) return;
-      if (own.finished.tile->goesTwice) return segments.give(lane, segmentsOf(own));
-    }
-    if (job_.rule != nullptr) {
-      own.finished.encoded = &own.encoded;
-    } else {
-      own.list.clear();
-      for (int i = 0; i < segments.size(lane); ++i) own.list.add(segments.segment(lane, i));
-      own.finished.segments = &own.list;
-    }
-    own.handed != nullptr ? finishPiece(own) : job_.onRay(own.finished);
-  }
-  static SegmentMerger& segmentsOf(const RayScratch& ray) { return ray.finished.tile->segments[placeOf(*ray.handed, *ray.finished.tile)]; }
 
   template <class Color, class Sink>
   void marchSpan(const RayPath& path, const SampleSpan& span, Source& source, Color& color, const Sink& sink, FinishedRay& finished) const {
@@ -268,12 +202,13 @@ class TileMarcher {
   }
 
   /// A piece of a ray that a relay has brought, behind those that are marched; what it comes to if it is the last.
-  void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch) const {
-    RayScratch& own = scratch.ray();
+  void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, WaitingRays& rays) const {
+    MarchedRay& own = rays.next();
     FinishedRay& finished = own.finished;
+    RelayedRay& handed = *own.handed;
     RelayedTile& tile = *finished.tile;
     RelayedState& state = handed.state;
-    SegmentBatchMerger::Ray* const segments = mostSegments_ > 0 ? &scratch.segments.begin(scratch.waiting, segmentsOf(own)) : nullptr;
+    SegmentBatchMerger::Ray* const segments = rays.beginHanded();
     SegmentedColor<StableMarch, SegmentBatchMerger::Ray> color(segments, path.lattice);
     static_cast<RayColor&>(color) = state.color;
     const auto sink = [&](const CountingSample& met) {
@@ -298,17 +233,17 @@ class TileMarcher {
     handed.isDone = finished.isEnded || tile.isLast;
     if (segments != nullptr) {
       if (handed.isDone) segments->endGroup();
-      return waitForSegments(scratch);
+      return rays.add();
     }
     if (handed.isDone && !tile.goesTwice) finishPiece(own);
   }
 
   /// A piece of it on the second way.
-  void marchAgain(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch) const {
-    RayScratch& own = scratch.ray();
+  void marchAgain(const RayPath& path, const SampleSpan& span, Source& source, MarchedRay& own) const {
     FinishedRay& finished = own.finished;
+    RelayedRay& handed = *own.handed;
     RelayedTile& tile = *finished.tile;
-    RelayedAgain& again = tile.again[placeOf(handed, tile)];
+    RelayedAgain& again = tile.again[static_cast<size_t>(&handed - tile.rays.data())];
     const auto closePart = [&](const RayPiece& piece) {
       again.found.add({depthOfSamples_(handed.counting), piece.premultiplied()});
       handed.counting.clear();
@@ -320,7 +255,7 @@ class TileMarcher {
       if (tile.isLast && again.part.any) closePart(again.part.piece);
     }
     if (hasNormals_) {
-      const SegmentMerger& segments = tile.segments[placeOf(handed, tile)];
+      const SegmentMerger& segments = own.handedSegments();
       for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
         const float t = placeToLight(segments[i]);
         if (isWithin(job_.relay->block(), source.view(), path.ray, t)) again.normals[i] = normalAt(path.ray, t);
@@ -330,7 +265,8 @@ class TileMarcher {
     handed.isDone = true;
     finished.premultiplied = handed.state.color.premultiplied();
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
-    if (mostSegments_ > 0) scratch.handedOn.take(segmentsOf(own), hasNormals_ ? again.normals : nullptr, finished);
+    FinishedSegments segments;
+    if (waiting_.mostSegments > 0) segments.take(own.handedSegments(), hasNormals_ ? again.normals : nullptr, finished);
     if (again.isDivided) {
       finished.samples = &again.found;
       return job_.onRay(finished);
@@ -339,13 +275,11 @@ class TileMarcher {
   }
 
   /// A ray that has one sample at most.
-  void finishPiece(RayScratch& own) const {
+  void finishPiece(MarchedRay& own) const {
     findSampleOf(*own.handed, depthOfSamples_, folded_.heuristic, own.finished.premultiplied, own.found);
     own.finished.samples = &own.found;
     job_.onRay(own.finished);
   }
-
-  static size_t placeOf(const RelayedRay& handed, const RelayedTile& tile) { return static_cast<size_t>(&handed - tile.rays.data()); }
 
   /// What light asks of the place `t` on the ray.
   NormalCode normalAt(const Ray& ray, float t) const {
@@ -355,12 +289,6 @@ class TileMarcher {
       return normalOf(light_.setup, gradient);
     }
     return {};
-  }
-  /// Of a ray's segments, where some are wanted.
-  void findNormals(const SegmentBatchMerger& segments, int lane, RayScratch& own) const {
-    if (!hasNormals_) return;
-    const Ray ray = job_.pixels.ray(own.finished.x, own.finished.y).ray;
-    for (int i = 0; i < segments.size(lane); ++i) own.normals[i] = normalAt(ray, placeToLight(segments.segment(lane, i)));
   }
 
   /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
@@ -386,7 +314,7 @@ class TileMarcher {
   const bool isClipped_, isDivided_;
   Jitter jitter_;
   DepthOfSamples depthOfSamples_;
-  int mostSegments_ = 0;
+  WaitingRays::Job waiting_;
   bool hasNormals_ = false;  // of segments
   bool isFolded_ = false;    // samples that count are folded as they come, where rays are relayed
   AnyDepth<false> folded_;
