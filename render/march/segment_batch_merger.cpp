@@ -7,6 +7,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "render/core/simd_lanes.h"
+
 namespace warpscope {
 namespace {
 
@@ -42,7 +44,7 @@ constexpr float kNowhere = 1000.0f;
 
 }  // namespace
 
-SegmentBatchMerger::SegmentBatchMerger(int room) : room_(room), rows_(static_cast<size_t>(room) + 1) {
+SegmentBatchMerger::SegmentBatchMerger(int room) : room_(room) {
   for (int lane = 0; lane < kRays; ++lane) rays_[lane].batch_ = this, rays_[lane].lane_ = lane;
 }
 
@@ -90,6 +92,28 @@ void SegmentBatchMerger::give(int lane, SegmentMerger& other) const {
   }
 }
 
+/// Lists of rays do not begin a power of two apart, which caches take for places that exclude each other.
+void SegmentBatchMerger::grow() {
+  const int grown = 2 * capacity_ + (capacity_ == 0 ? 63 : 1);
+  std::vector<Entry> entries(static_cast<size_t>(grown) * kRays);
+  for (int lane = 0; lane < kRays; ++lane) std::copy_n(entries_.begin() + lane * capacity_, capacity_, entries.begin() + lane * grown);
+  entries_.swap(entries);
+  capacity_ = grown;
+}
+
+SegmentLanes SegmentBatchMerger::at(const IntBatch& where) const {
+  const float* const numbers = &entries_.front().segment.begin;
+  const Quads first = gatheredQuads(numbers, where + where), second = gatheredQuads(numbers, where + where + 1);
+  return {first.of[0], first.of[1], first.of[2], first.of[3], {second.of[0], second.of[1], second.of[2]}};
+}
+
+void SegmentBatchMerger::store(const SegmentLanes& segments, const IntBatch& where, const Is& which) {
+  float* const numbers = &entries_.front().segment.begin;
+  const uint32_t lanes = bitsOf(which);
+  scatterQuads({{segments.begin, segments.end, segments.opacity, segments.through}}, numbers, where + where, lanes);
+  scatterQuads({{segments.color[0], segments.color[1], segments.color[2], FloatBatch(0.0f)}}, numbers, where + where + 1, lanes);
+}
+
 template <class F>
 void SegmentBatchMerger::visitRoom(const F& f) {
   room_ > 8 ? f(std::integral_constant<int, kMostMergerRoom>()) : f(std::integral_constant<int, 8>());
@@ -98,9 +122,13 @@ void SegmentBatchMerger::visitRoom(const F& f) {
 /// And where all are.
 template <int kRoom>
 void SegmentBatchMerger::findCosts() {
+  SegmentLanes own = at(IntBatch::load_aligned(where_[0]));
   for (int i = 0; i < kRoom; ++i) {
     for (int lane = 0; lane < kRays; ++lane) places_[i][lane] = static_cast<float>(rays_[lane].places_ >> (4 * i) & 15);
-    if (i + 1 < kRoom) costOf(lanes(i), lanes(i + 1)).store_aligned(costs_[i]);
+    if (i + 1 == kRoom) break;
+    const SegmentLanes next = at(IntBatch::load_aligned(where_[i + 1]));
+    costOf(own, next).store_aligned(costs_[i]);
+    own = next;
   }
   hasCosts_ = true;
 }
@@ -120,94 +148,102 @@ SegmentBatchMerger::Cheapest SegmentBatchMerger::cheapest() const {
   return found;
 }
 
-/// In the lanes of `merges`: merges the segments number `at` and the one behind; what follows moves up, and `next` behind it, to merge with which costs the last one `costOfNext`.
+/// In the lanes of `merges`: merges the segments number `number` and the one behind; what follows moves up, and the entry at `whereNext` behind it, to merge with which costs the last
+/// one `costOfNext`.
 template <int kRoom>
-void SegmentBatchMerger::mergePairs(const Is& merges, const FloatBatch& at, const SegmentRow& next, const FloatBatch& costOfNext) {
-  const FloatBatch pair = xsimd::select(merges, at, FloatBatch(kNowhere));
-  const auto number = [](int i) { return FloatBatch(static_cast<float>(i)); };
-  SegmentLanes before = next.lanes(), front = before, back = before, behind = before;
-  const auto gather = [&](SegmentLanes& to, int from, const Is& isIt) {
-    const SegmentRow& row = rows_[static_cast<size_t>(from)];
-    forEachNumber(to, [&](int i, FloatBatch& own) { own = xsimd::select(isIt, row.lanes(i), own); });
-  };
+void SegmentBatchMerger::mergePairs(const Is& merges, const FloatBatch& number, const IntBatch& whereNext, const FloatBatch& costOfNext) {
+  const FloatBatch pair = xsimd::select(merges, number, FloatBatch(kNowhere));
+  const auto numbered = [](int i) { return FloatBatch(static_cast<float>(i)); };
+  const auto chosen = [](const Is& which, const IntBatch& a, const IntBatch& b) { return xsimd::select(xsimd::bool_cast(which), a, b); };
+  const auto whereIs = [&](int i) { return i < kRoom ? IntBatch::load_aligned(where_[i]) : whereNext; };
+  IntBatch before = whereIs(0), front = before, back = before, behind = before;
   for (int i = 0; i + 1 < kRoom; ++i) {
-    const Is isIt = pair == number(i);
-    if (i > 0) gather(before, i - 1, isIt);
-    gather(front, i, isIt);
-    gather(back, i + 1, isIt);
-    if (i + 2 < kRoom) gather(behind, i + 2, isIt);
+    const Is isIt = pair == numbered(i);
+    if (i > 0) before = chosen(isIt, whereIs(i - 1), before);
+    front = chosen(isIt, whereIs(i), front);
+    back = chosen(isIt, whereIs(i + 1), back);
+    behind = chosen(isIt, whereIs(i + 2), behind);
   }
-  const SegmentLanes both = mergedTo(extentOf(front, back), front, back);
-  const FloatBatch costBefore = costOf(before, both), cost = costOf(both, behind);
+  const SegmentLanes first = at(front), second = at(back), both = mergedTo(extentOf(first, second), first, second);
+  store(both, front, merges);
+  const FloatBatch costBefore = costOf(at(before), both), cost = costOf(both, at(behind));
   FloatBatch freed(0.0f);
   for (int i = 0; i < kRoom; ++i) {
-    SegmentRow& row = rows_[static_cast<size_t>(i)];
-    const SegmentRow& following = i + 1 < kRoom ? rows_[static_cast<size_t>(i) + 1] : next;
-    const Is isIt = pair == number(i), isBehind = pair < number(i);
-    forEachNumber(both, [&](int which, const FloatBatch& ofBoth) {
-      xsimd::select(isIt, ofBoth, xsimd::select(isBehind, following.lanes(which), row.lanes(which))).store_aligned(row.of[which]);
-    });
+    const Is isIt = pair == numbered(i), isBehind = pair < numbered(i);
+    chosen(isBehind, whereIs(i + 1), whereIs(i)).store_aligned(where_[i]);
     const FloatBatch ownPlace = FloatBatch::load_aligned(places_[i]);
-    freed = xsimd::select(pair + 1.0f == number(i), ownPlace, freed);
+    freed = xsimd::select(pair + 1.0f == numbered(i), ownPlace, freed);
     const FloatBatch nextPlace = i + 1 < kRoom ? FloatBatch::load_aligned(places_[i + 1]) : freed;
     xsimd::select(isBehind, nextPlace, ownPlace).store_aligned(places_[i]);
     if (i + 1 == kRoom) break;
     const FloatBatch ownCost = FloatBatch::load_aligned(costs_[i]), nextCost = i + 2 < kRoom ? FloatBatch::load_aligned(costs_[i + 1]) : costOfNext;
-    xsimd::select(isIt, cost, xsimd::select(isBehind, nextCost, xsimd::select(pair == number(i + 1), costBefore, ownCost))).store_aligned(costs_[i]);
+    xsimd::select(isIt, cost, xsimd::select(isBehind, nextCost, xsimd::select(pair == numbered(i + 1), costBefore, ownCost))).store_aligned(costs_[i]);
   }
 }
 
-/// As BasicSegmentMerger's of a full one, in the lanes of `isThere`.
+/// As BasicSegmentMerger's of a full one, in the lanes of `isThere`. `tail`: the last ones, whose entries are of before they have grown.
 template <int kRoom>
-void SegmentBatchMerger::add(const SegmentRow& nextRow, const Is& isThere) {
-  const SegmentLanes tail = lanes(kRoom - 1), next = nextRow.lanes();
+void SegmentBatchMerger::add(SegmentLanes& tail, const IntBatch& whereNext, const Is& isThere) {
+  const SegmentLanes next = at(whereNext);
   FloatBatch unseen = FloatBatch::load_aligned(unseen_);
   const auto extent = extentOf(tail, next);
-  Is isMerged = isThere && isSurelyAtMost(tail, next, unseen);
+  Is isMerged = isThere && isSurelyAtMost(tail, next, unseen), looks(false);
   if (xsimd::any(isThere && !isMerged)) {
     const FloatBatch cost = costOf(extent, tail, next);
     isMerged = isMerged || (isThere && cost <= unseen);
-    Is looks = isThere && !isMerged;
+    looks = isThere && !isMerged;
     if (xsimd::any(looks)) {
-      costOf(lanes(kRoom - 2), tail).store_aligned(costs_[kRoom - 2]);
+      costOf(at(IntBatch::load_aligned(where_[kRoom - 2])), tail).store_aligned(costs_[kRoom - 2]);
       const Cheapest found = cheapest<kRoom>();
       const Is isOfTail = looks && cost <= found.cost;
       xsimd::select(looks, xsimd::select(isOfTail, cost, found.cost) * kMergedUnseenSquared, unseen).store_aligned(unseen_);
       isMerged = isMerged || isOfTail;
       looks = looks && !isOfTail;
-      if (xsimd::any(looks)) mergePairs<kRoom>(looks, found.at, nextRow, cost);
+      if (xsimd::any(looks)) {
+        store(tail, IntBatch::load_aligned(where_[kRoom - 1]), looks);
+        mergePairs<kRoom>(looks, found.at, whereNext, cost);
+      }
     }
   }
-  rows_[kRoom - 1].set(selected(isMerged, mergedTo(extent, tail, next), lanes(kRoom - 1)));
+  tail = selected(isMerged, mergedTo(extent, tail, next), selected(looks, next, tail));
 }
 
 void SegmentBatchMerger::merge(int rays) {
+  if (capacity_ == 0) grow();
   alignas(64) float counts[kRays];
+  alignas(64) int32_t firsts[kRays];
   int most = 0;
   for (int lane = 0; lane < kRays; ++lane) {
     const int count = lane < rays ? rays_[lane].count_ : 0;
     most = std::max(most, count);
     counts[lane] = static_cast<float>(count);
+    firsts[lane] = lane * capacity_;
     sizes_[lane] = static_cast<float>(std::min(count, room_));
   }
-  hasCosts_ = false;
+  const IntBatch first = IntBatch::load_aligned(firsts);
+  for (int i = 0; i < room_; ++i) (first + i).store_aligned(where_[i]);
+  hasCosts_ = isFinished_ = false;
   if (most <= room_) return;
   visitRoom([&]<int kRoom>(std::integral_constant<int, kRoom>) {
     findCosts<kRoom>();
-    for (int i = kRoom; i < most; ++i) add<kRoom>(rows_[static_cast<size_t>(i)], FloatBatch(static_cast<float>(i)) < FloatBatch::load_aligned(counts));
+    const FloatBatch count = FloatBatch::load_aligned(counts);
+    SegmentLanes tail = at(first + (kRoom - 1));
+    for (int i = kRoom; i < most; ++i) add<kRoom>(tail, first + i, FloatBatch(static_cast<float>(i)) < count);
+    store(tail, IntBatch::load_aligned(where_[kRoom - 1]), count > FloatBatch(static_cast<float>(kRoom)));
   });
 }
 
 void SegmentBatchMerger::finish(int most, const RayLattice* const* lattices) {
   const auto hasMore = [&] { return sizes() > FloatBatch(static_cast<float>(most)); };
+  const auto ownAt = [&](int i) { return at(IntBatch::load_aligned(where_[i])); };
   if (xsimd::any(hasMore()))
     visitRoom([&]<int kRoom>(std::integral_constant<int, kRoom>) {
       if (hasCosts_)
-        costOf(lanes(kRoom - 2), lanes(kRoom - 1)).store_aligned(costs_[kRoom - 2]);
+        costOf(ownAt(kRoom - 2), ownAt(kRoom - 1)).store_aligned(costs_[kRoom - 2]);
       else
         findCosts<kRoom>();
       for (Is merges = hasMore(); xsimd::any(merges); merges = hasMore()) {
-        mergePairs<kRoom>(merges, cheapest<kRoom>().at, {}, FloatBatch(kNever));
+        mergePairs<kRoom>(merges, cheapest<kRoom>().at, IntBatch(0), FloatBatch(kNever));
         xsimd::select(merges, sizes() - 1.0f, sizes()).store_aligned(sizes_);
       }
     });
@@ -222,20 +258,19 @@ void SegmentBatchMerger::finish(int most, const RayLattice* const* lattices) {
   const LatticeBorders<FloatBatch> borders{loaded(0), loaded(1), loaded(2), loaded(3)};
   const FloatBatch zero(0.0f);
   FloatBatch last(-kNever);
+  SegmentLanes own = largest > 0 ? ownAt(0) : SegmentLanes{};
   for (int i = 0; i < largest; ++i) {
-    SegmentRow& row = rows_[static_cast<size_t>(i)];
-    const SegmentLanes next = lanes(i + 1);
-    SegmentLanes own = row.lanes();
-    const FloatBatch number(static_cast<float>(i));
-    const Is hasLength = own.length() > zero, isBeforePoint = number + 1.0f < sizes() && !(next.length() > zero);
+    const SegmentLanes next = i + 1 < largest ? ownAt(i + 1) : own;
+    const Is hasLength = own.length() > zero, isBeforePoint = FloatBatch(static_cast<float>(i + 1)) < sizes() && !(next.length() > zero);
     SegmentLanes settled = own;
     settle<FloatBatch>(settled, borders, last, xsimd::select(isBeforePoint, next.begin, FloatBatch(kNever)));
     own.begin = xsimd::select(hasLength, settled.begin, own.begin);
     own.end = xsimd::select(hasLength, settled.end, own.end);
-    own.begin.store_aligned(row.of[0]);
-    own.end.store_aligned(row.of[1]);
+    finished_[i].set(own);
     last = own.end;
+    own = next;
   }
+  isFinished_ = true;
 }
 
 }  // namespace warpscope

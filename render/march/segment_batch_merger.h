@@ -2,6 +2,7 @@
 // Rays are marched one after the other, and of each is kept what it meets: samples while there is room for them as they are, from then on groups (ray_segments.h). When as many
 // rays have been marched as there are lanes these are merged, of all rays at once, what they have met first before what they have met second: to what BasicSegmentMerger makes
 // of each, bit for bit, by its formulas. A look at all segments of a ray takes as long for one ray as for all, and in most turns some ray wants one.
+// A ray's segments stay where they are while their order changes: vectors get them four numbers at a time.
 #pragma once
 
 #include <cstdint>
@@ -72,28 +73,37 @@ class SegmentBatchMerger {
   void finish(int most, const RayLattice* const* lattices);
 
   int size(int lane) const { return static_cast<int>(sizes_[lane]); }
-  /// The i-th, near to far.
-  RaySegment segment(int lane, int i) const { return rows_[static_cast<size_t>(i)].segment(lane); }
-  SegmentLanes lanes(int i) const { return rows_[static_cast<size_t>(i)].lanes(); }
   FloatBatch sizes() const { return FloatBatch::load_aligned(sizes_); }
+  /// The i-th, near to far.
+  RaySegment segment(int lane, int i) const { return isFinished_ ? finished_[i].segment(lane) : entries_[static_cast<size_t>(where_[i][lane])].segment; }
+  /// All rays' i-th, when they are finished.
+  SegmentLanes lanes(int i) const { return finished_[i].lanes(); }
   /// Where BasicSegmentMerger would have it.
   int placeOf(int lane, int i) const;
 
  private:
   using Is = xsimd::batch_bool<float>;
+  struct alignas(8 * sizeof(float)) Entry {  // two fours of numbers
+    RaySegment segment;
+  };
+
   void put(int lane, int i, const RaySegment& segment) {
-    if (static_cast<size_t>(i) >= rows_.size()) rows_.emplace_back();
-    rows_[static_cast<size_t>(i)].setSegment(lane, segment);
+    if (i >= capacity_) grow();
+    entries_[static_cast<size_t>(lane * capacity_ + i)].segment = segment;
   }
+  void grow();
+  /// All rays' entries at these places.
+  SegmentLanes at(const IntBatch& where) const;
+  void store(const SegmentLanes& segments, const IntBatch& where, const Is& which);
   /// Calls `f` with the room, known when it is compiled: std::integral_constant.
   template <class F>
   void visitRoom(const F& f);
   template <int kRoom>
   void findCosts();
   template <int kRoom>
-  void add(const SegmentRow& next, const Is& isThere);
+  void add(SegmentLanes& tail, const IntBatch& whereNext, const Is& isThere);
   template <int kRoom>
-  void mergePairs(const Is& merges, const FloatBatch& at, const SegmentRow& next, const FloatBatch& costOfNext);
+  void mergePairs(const Is& merges, const FloatBatch& at, const IntBatch& whereNext, const FloatBatch& costOfNext);
   struct Cheapest {
     FloatBatch at, cost;
   };
@@ -101,13 +111,16 @@ class SegmentBatchMerger {
   Cheapest cheapest() const;
 
   int room_;
-  bool hasCosts_ = false;       // and places
+  bool hasCosts_ = false, isFinished_ = false;  // costs, and places
   Ray rays_[kRays];
-  std::vector<SegmentRow> rows_;  // what the rays have met, near to far: the first `room_` are what they have been merged to
+  int capacity_ = 0;            // places for entries of each ray
+  std::vector<Entry> entries_;  // what the rays have met, near to far, and what that has become
   alignas(64) float sizes_[kRays] = {};
-  alignas(64) float unseen_[kRays] = {};                 // what costs no more, squared, is merged into the last one without a look at the others
-  alignas(64) float costs_[kMostMergerRoom][kRays] = {};  // of merging each with the one behind it, squared; that of the last two may be of before one has grown
+  alignas(64) int32_t where_[kMostMergerRoom][kRays] = {};  // which entries the segments are, near to far
+  alignas(64) float unseen_[kRays] = {};                    // what costs no more, squared, is merged into the last one without a look at the others
+  alignas(64) float costs_[kMostMergerRoom][kRays] = {};    // of merging each with the one behind it, squared; that of the last two may be of before one has grown
   alignas(64) float places_[kMostMergerRoom][kRays] = {};
+  SegmentRow finished_[kMostMergerRoom] = {};
 };
 
 }  // namespace warpscope
