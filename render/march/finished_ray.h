@@ -42,7 +42,7 @@ struct FinishedRay {
   const SegmentList* segments = nullptr;     ///< else; null where none are wanted
   const NormalCode* normals = nullptr;       ///< of these, near to far; null where none are wanted
   bool isEnded = false;                     ///< hardly any light was left
-  const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where samples are wanted and a ray has one at most; null where nothing is visible
+  const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where it is not said how segments are sent and a ray has one sample at most; null where nothing is visible
   RelayedTile* tile = nullptr;              ///< that it was handed on with; null where rays are marched whole
 
   bool hasSegments() const { return encoded != nullptr ? encoded->found > 0 : segments != nullptr && segments->size() > 0; }

@@ -163,9 +163,8 @@ class TileMarcher {
     own.lattice = path.lattice;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>)
       if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, own) : marchPiece(path, span, source, rays);
-    std::vector<CountingSample>& counting = own.counting;
+    std::vector<CountingSample>& counting = rays.counting();
     counting.clear();
-    finished.counting = &counting;
     const auto sink = [&](const CountingSample& met) {
       if (job_.sample != nullptr) counting.push_back(met);
     };
@@ -177,6 +176,10 @@ class TileMarcher {
     } else {
       GatheredColor<typename Source::March> color;
       marchSpan(path, span, source, color, sink, finished);
+    }
+    if (job_.rule == nullptr) {
+      own.counting = counting;
+      finished.counting = &own.counting;
     }
     own.found.clear();
     if (job_.sample != nullptr && !counting.empty()) {

@@ -15,7 +15,7 @@ struct MarchedRay {
   FinishedRay finished;
   RayLattice lattice;
   RelayedRay* handed = nullptr;  ///< null where rays are marched whole
-  std::vector<CountingSample> counting;
+  std::vector<CountingSample> counting;  ///< where FinishedRay has them
   RaySamples found;
   SegmentList list;
   EncodedSegments encoded;
@@ -37,6 +37,8 @@ class WaitingRays {
   /// `job` must stay.
   explicit WaitingRays(const Job& job) : job_(job), segments_(mergerRoomFor(job.mostSegments)) {}
 
+  /// Used again from ray to ray: many, and a core's nearest cache has no room for those of all that wait.
+  std::vector<CountingSample>& counting() { return counting_; }
   /// Where the next ray belongs.
   MarchedRay& next() { return rays_[count_]; }
   /// What gathers its segments: of one that begins, or of one that was handed on. Null where none are wanted.
@@ -55,6 +57,7 @@ class WaitingRays {
   void list(int lane);
 
   const Job& job_;
+  std::vector<CountingSample> counting_;
   MarchedRay rays_[SegmentBatchMerger::kRays];
   int count_ = 0;  // the first so many wait
   SegmentBatchMerger segments_;
