@@ -99,6 +99,38 @@ TEST(SegmentBatchMerger, BecomesWhatEachRayDoesForItself) {
   EXPECT_GT(merged, 50000);
 }
 
+/// One that has met more than is kept of it until it is merged, beside others.
+TEST(SegmentBatchMerger, AVeryLongRayIsMergedByItselfBeforeTheOthers) {
+  std::mt19937 random(41);
+  for (const int most : {4, 16}) {
+    SegmentBatchMerger found(mergerRoomFor(most));
+    std::vector<SegmentMerger> expected(static_cast<size_t>(SegmentBatchMerger::kRays), SegmentMerger(mergerRoomFor(most)));
+    std::vector<RayLattice> lattices(expected.size());
+    std::vector<const RayLattice*> ofRays;
+    for (size_t lane = 0; lane < expected.size(); ++lane) {
+      lattices[lane].dt = 0.25f, lattices[lane].count = lane % 2 == 0 ? 5000 : 50;
+      lattices[lane].length = 0.25f * static_cast<float>(lattices[lane].count);
+      ofRays.push_back(&lattices[lane]);
+      const std::vector<RaySegment> samples = randomRay(random, lattices[lane], lattices[lane].count, false);
+      SegmentBatchMerger::Ray& own = found.begin(static_cast<int>(lane));
+      float through = 1.0f;
+      for (RaySegment sample : samples) {
+        sample.opacity *= 0.01f, sample.color *= 0.01f, sample.through = through;  // so thin that something is left at the end
+        through *= 1.0f - sample.opacity;
+        own.add(sample);
+        expected[lane].add(sample);
+      }
+    }
+    found.merge(SegmentBatchMerger::kRays);
+    for (size_t lane = 0; lane < expected.size(); ++lane) ASSERT_NO_FATAL_FAILURE(expectSame(found, static_cast<int>(lane), expected[lane], most));
+    found.finish(most, ofRays.data());
+    for (size_t lane = 0; lane < expected.size(); ++lane) {
+      expected[lane].finish(most, lattices[lane]);
+      ASSERT_NO_FATAL_FAILURE(expectSame(found, static_cast<int>(lane), expected[lane], most));
+    }
+  }
+}
+
 /// From process to process, or device, and back, wherever along the ray; whatever the rays beside it do.
 TEST(SegmentBatchMerger, IsHandedOnAsItIs) {
   std::mt19937 random(19);

@@ -38,9 +38,9 @@ struct FinishedRay {
   float cosine = 1.0f;
   glm::vec4 premultiplied{0.0f};
   const RaySamples* samples = nullptr;
-  const EncodedSegments* encoded = nullptr;  ///< its segments, where it is known how they are sent
+  const EncodedSegments* encoded = nullptr;  ///< its segments, where they have been encoded with those of rays beside it
   const SegmentList* segments = nullptr;     ///< else; null where none are wanted
-  const NormalCode* normals = nullptr;       ///< of these, near to far; null where none are wanted
+  const NormalCode* normals = nullptr;       ///< of these, near to far; null where there are none
   bool isEnded = false;                     ///< hardly any light was left
   const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where it is not said how segments are sent and a ray has one sample at most; null where nothing is visible
   RelayedTile* tile = nullptr;              ///< that it was handed on with; null where rays are marched whole

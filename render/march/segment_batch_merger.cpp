@@ -38,7 +38,7 @@ constexpr float kNowhere = 1000.0f;
   const auto costs = front.contribution() > zero && back.contribution() > zero && back.end - front.begin > zero && light * length > FloatBatch(kLeastCostly);
   const FloatBatch perBoth = one / xsimd::select(costs, light * length, one);
   const FloatBatch cost = xsimd::select(costs, squaredMergeCost(front, back, both, xsimd::select(hasLength, light * perBoth, zero), length * perBoth), zero);
-  return xsimd::select(cost == cost, cost, FloatBatch(kNever));  // what is no number costs most, as its bits do in BasicSegmentMerger
+  return xsimd::select(cost == cost, cost, FloatBatch(kNever));  // what is no number costs most, as its bits do in BasicSegmentMerger; light and lengths of a ray come to none
 }
 [[gnu::always_inline]] inline FloatBatch costOf(const SegmentLanes& front, const SegmentLanes& back) { return costOf(extentOf(front, back), front, back); }
 
@@ -99,6 +99,16 @@ void SegmentBatchMerger::grow() {
   for (int lane = 0; lane < kRays; ++lane) std::copy_n(entries_.begin() + lane * capacity_, capacity_, entries.begin() + lane * grown);
   entries_.swap(entries);
   capacity_ = grown;
+}
+
+void SegmentBatchMerger::shorten(int lane) {
+  hasCosts_ = isFinished_ = false;
+  sizes_[lane] = static_cast<float>(room_);
+  for (int i = 0; i < room_; ++i) where_[i][lane] = lane * capacity_ + i;
+  SegmentMerger merged(room_);
+  give(lane, merged);
+  for (int i = room_; i < rays_[lane].count_; ++i) merged.add(entries_[static_cast<size_t>(lane * capacity_ + i)].segment);
+  begin(lane, merged);
 }
 
 SegmentLanes SegmentBatchMerger::at(const IntBatch& where) const {

@@ -34,7 +34,10 @@ class SegmentBatchMerger {
       group_ = group;
       grouped_ = next;
     }
-    void add(const RaySegment& next) { batch_->put(lane_, count_++, next); }
+    void add(const RaySegment& next) {
+      if (count_ == kMostEntries) batch_->shorten(lane_);
+      batch_->put(lane_, count_++, next);
+    }
 
     /// Nothing else of the group follows.
     void endGroup() {
@@ -65,11 +68,11 @@ class SegmentBatchMerger {
   Ray& begin(int lane);
   Ray& begin(int lane, const SegmentMerger& other);
 
-  /// Merges what the rays in the first so many lanes have met, but for groups that have not ended. What follows is of these.
+  /// Merges what the rays in the first so many lanes have met, but for groups that have not ended. Once, before each is begun anew; what follows is of these.
   void merge(int rays);
   /// `other` becomes what the ray is.
   void give(int lane, SegmentMerger& other) const;
-  /// Of rays that have ended, as BasicSegmentMerger's finish(). `lattices`: of each ray.
+  /// Of rays that have ended, as BasicSegmentMerger's finish(), once. `lattices`: of each ray that has segments.
   void finish(int most, const RayLattice* const* lattices);
 
   int size(int lane) const { return static_cast<int>(sizes_[lane]); }
@@ -83,6 +86,8 @@ class SegmentBatchMerger {
 
  private:
   using Is = xsimd::batch_bool<float>;
+  /// Of a ray until it is merged, at most.
+  static constexpr int kMostEntries = 1023;
   struct alignas(8 * sizeof(float)) Entry {  // two fours of numbers
     RaySegment segment;
   };
@@ -92,6 +97,8 @@ class SegmentBatchMerger {
     entries_[static_cast<size_t>(lane * capacity_ + i)].segment = segment;
   }
   void grow();
+  /// Merges what the ray has met by itself: one that is so long must not take memory for all.
+  void shorten(int lane);
   /// All rays' entries at these places.
   SegmentLanes at(const IntBatch& where) const;
   void store(const SegmentLanes& segments, const IntBatch& where, const Is& which);
@@ -111,7 +118,8 @@ class SegmentBatchMerger {
   Cheapest cheapest() const;
 
   int room_;
-  bool hasCosts_ = false, isFinished_ = false;  // costs, and places
+  bool hasCosts_ = false;       // and places
+  bool isFinished_ = false;     // segments are in `finished_`
   Ray rays_[kRays];
   int capacity_ = 0;            // places for entries of each ray
   std::vector<Entry> entries_;  // what the rays have met, near to far, and what that has become

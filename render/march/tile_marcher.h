@@ -84,9 +84,12 @@ class TileMarcher {
     isFolded_ = !isDivided_ && hasOnePass(job.sample->heuristic);
     if constexpr (requires { light.setup.isLit; }) hasNormals_ = waiting_.mostSegments > 0 && dependsOnEye(light.setup);
     waiting_.rule = job.rule;
-    if (hasNormals_ && job.relay == nullptr) waiting_.normalAt = [this](const MarchedRay& ray, float t) { return normalAt(job_.pixels.ray(ray.finished.x, ray.finished.y).ray, t); };
+    if (hasNormals_ && job.relay == nullptr && job.rule != nullptr) waiting_.normalAt = [this](const MarchedRay& ray, float t) { return normalAt(job_.pixels.ray(ray.finished.x, ray.finished.y).ray, t); };
     waiting_.onMerged = [this](MarchedRay& ray) { ray.handed != nullptr ? finishPiece(ray) : job_.onRay(ray.finished); };
   }
+
+  TileMarcher(const TileMarcher&) = delete;  // what waits calls this one
+  TileMarcher& operator=(const TileMarcher&) = delete;
 
   /// All of the job's area, in tiles of at most `side` pixels. Throws as parallelForTiles() does.
   void march(uint32_t side, TurnsOfJob& turns) const {
@@ -268,7 +271,7 @@ class TileMarcher {
     handed.isDone = true;
     finished.premultiplied = handed.state.color.premultiplied();
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
-    FinishedSegments segments;
+    FinishedSegments segments;  // stay until the ray has been given on, below
     if (waiting_.mostSegments > 0) segments.take(own.handedSegments(), hasNormals_ ? again.normals : nullptr, finished);
     if (again.isDivided) {
       finished.samples = &again.found;

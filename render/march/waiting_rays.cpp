@@ -14,14 +14,18 @@ void WaitingRays::finish() {
   if (count == 0) return;
   segments_.merge(count);
   const RayLattice* lattices[SegmentBatchMerger::kRays];
+  bool anyEnded = false;
   for (int lane = 0; lane < count; ++lane) {
     const MarchedRay& ray = rays_[lane];
     lattices[lane] = &ray.lattice;
-    if (ray.handed == nullptr || ray.handed->isDone)
+    const bool hasEnded = ray.handed == nullptr || ray.handed->isDone;
+    anyEnded = anyEnded || hasEnded;
+    if (hasEnded)
       WARPSCOPE_COUNT(segmentedRays, 1);
     else
       segments_.give(lane, ray.handedSegments());
   }
+  if (!anyEnded) return;
   segments_.finish(job_.mostSegments, lattices);
   // Of rays that were handed on all have the same tile.
   if (rays_[0].handed != nullptr && rays_[0].finished.tile->goesTwice) {

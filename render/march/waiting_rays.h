@@ -30,7 +30,7 @@ class WaitingRays {
   struct Job {
     int mostSegments = 0;              ///< of each ray; 0: none are wanted, and no ray waits
     const SampleRule* rule = nullptr;  ///< how they are sent; null where they are wanted as they are
-    std::function<NormalCode(const MarchedRay& ray, float t)> normalAt = {};  ///< what light asks of the place `t` on a ray that is marched whole; empty where normals are not sent
+    std::function<NormalCode(const MarchedRay& ray, float t)> normalAt = {};  ///< what light asks of the place `t` on a ray that is marched whole; empty where none are sent with them
     std::function<void(MarchedRay& ray)> onMerged = {};  ///< gets those that have ended, with their segments, but for what goes once more
   };
 
