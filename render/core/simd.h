@@ -14,7 +14,7 @@ using IntBatch = xsimd::batch<int32_t>;
 using UintBatch = xsimd::batch<uint32_t>;
 inline constexpr int kBatchLanes = static_cast<int>(FloatBatch::size);
 
-/// Bit k is set if the condition holds for the k-th. Here, since some processors' conditions would pass for numbers, of which there are other bits.
+/// Bit k is set if the condition holds for the k-th. Wherever conditions are: with AVX-512 they convert to whole numbers, and bitsOf() of a number (numeric.h) would be called instead.
 inline uint32_t bitsOf(const xsimd::batch_bool<float>& condition) {
 #if XSIMD_WITH_AVX512F
   return condition.data;

@@ -125,13 +125,15 @@ struct Quads {
   alignas(64) int32_t at[kBatchLanes];
   places.store_aligned(at);
   const auto placeOf = [&](int lane) { return numbers + size_t{4} * static_cast<uint32_t>(at[lane]); };
+#if XSIMD_WITH_AVX
+  const auto put = [&](int lane, const __m128& quad) {
+    if ((lanes >> lane & 1) != 0) _mm_storeu_ps(placeOf(lane), quad);
+  };
+#endif
 #if XSIMD_WITH_AVX512F
   const __m512 xy01 = _mm512_unpacklo_ps(quads.of[0], quads.of[1]), xy23 = _mm512_unpackhi_ps(quads.of[0], quads.of[1]);
   const __m512 zw01 = _mm512_unpacklo_ps(quads.of[2], quads.of[3]), zw23 = _mm512_unpackhi_ps(quads.of[2], quads.of[3]);
   const __m512 rows[4] = {_mm512_shuffle_ps(xy01, zw01, 0x44), _mm512_shuffle_ps(xy01, zw01, 0xee), _mm512_shuffle_ps(xy23, zw23, 0x44), _mm512_shuffle_ps(xy23, zw23, 0xee)};
-  const auto put = [&](int lane, const __m128& quad) {
-    if ((lanes >> lane & 1) != 0) _mm_storeu_ps(placeOf(lane), quad);
-  };
   for (int i = 0; i < 4; ++i) {  // row i: lanes i, 4 + i, 8 + i, 12 + i
     put(i, _mm512_castps512_ps128(rows[i]));
     put(4 + i, _mm512_extractf32x4_ps(rows[i], 1));
@@ -142,9 +144,6 @@ struct Quads {
   const __m256 xy01 = _mm256_unpacklo_ps(quads.of[0], quads.of[1]), xy23 = _mm256_unpackhi_ps(quads.of[0], quads.of[1]);
   const __m256 zw01 = _mm256_unpacklo_ps(quads.of[2], quads.of[3]), zw23 = _mm256_unpackhi_ps(quads.of[2], quads.of[3]);
   const __m256 rows[4] = {_mm256_shuffle_ps(xy01, zw01, 0x44), _mm256_shuffle_ps(xy01, zw01, 0xee), _mm256_shuffle_ps(xy23, zw23, 0x44), _mm256_shuffle_ps(xy23, zw23, 0xee)};
-  const auto put = [&](int lane, const __m128& quad) {
-    if ((lanes >> lane & 1) != 0) _mm_storeu_ps(placeOf(lane), quad);
-  };
   for (int i = 0; i < 4; ++i) {  // row i: lanes i, 4 + i
     put(i, _mm256_castps256_ps128(rows[i]));
     put(4 + i, _mm256_extractf128_ps(rows[i], 1));

@@ -64,17 +64,19 @@ inline constexpr float kMostSegmentOpacity = 1.0f - 1.0f / 1024;
 
 /// Colours of segments are as those of samples, but for opacity, whose code is its root: light things in front of dark ones are what several segments a ray are
 /// for, and an opacity of 1 in 100 has 26 codes below it instead of 3.
-WARPSCOPE_HD inline float segmentOpacity(Rgba8 code) {
-  const float root = static_cast<float>(code >> 24) / 255.0f;
+/// Of a code as a number. `Number`: float, or a vector of them.
+template <class Number>
+WARPSCOPE_HD inline Number opacityOfWholeCode(const Number& code) {
+  const Number root = code / 255.0f;
   return root * root;
 }
-/// The nearest code of an opacity in [0, 1], as a number. `Number`: float, or a vector of them.
+WARPSCOPE_HD inline float segmentOpacity(Rgba8 code) { return opacityOfWholeCode(static_cast<float>(code >> 24)); }
+/// The nearest code of an opacity in [0, 1], as a number.
 template <class Number>
 WARPSCOPE_HD inline Number wholeSegmentOpacityCode(const Number& opacity) {
   const Number code = converted(truncated(minOf(sqrtOf(maxOf(opacity, 0.0f)), 1.0f) * 255.0f + 0.5f));
-  const auto opacityOf = [](const Number& whole) -> Number { return whole / 255.0f * (whole / 255.0f); };
   // Of two beside each other the one whose square is nearer, which is not always the one nearer to the root.
-  return selected(absOf(opacity - opacityOf(code - 1.0f)) < absOf(opacityOf(code) - opacity), maxOf(code - 1.0f, 0.0f), code);
+  return selected(absOf(opacity - opacityOfWholeCode<Number>(code - 1.0f)) < absOf(opacityOfWholeCode(code) - opacity), maxOf(code - 1.0f, 0.0f), code);
 }
 WARPSCOPE_HD inline uint32_t segmentOpacityCode(float opacity) { return static_cast<uint32_t>(wholeSegmentOpacityCode(opacity)); }
 /// What colours of segments that have normals (0 among them) are multiplied by before they are encoded: what highlights add may be more than white.

@@ -52,7 +52,7 @@ class BasicSegmentEncoder {
     const Number code = wholeSegmentOpacityCode<Number>(minOf(wanted(1.0f - through_ * share, segment.opacity), 1.0f));
     const Number opacity = minOf(code, selected(isLast, Number(255.0f), Number(254.0f)));
     const Is isSent = passes && opacity > Number(0.0f);
-    const Number root = opacity / 255.0f, sentOpacity = root * root, straight = colorScale_ / selected(isSent, sentOpacity, Number(1.0f));
+    const Number sentOpacity = opacityOfWholeCode(opacity), straight = colorScale_ / selected(isSent, sentOpacity, Number(1.0f));
     codes.color = truncated(opacity) << 24;
     for (int channel = 0; channel < 3; ++channel) {
       const Whole own = Coding::encodeChannel(tables_, wanted((color_[channel] - sentColor_[channel]) * share, segment.color[channel]) * straight);

@@ -271,8 +271,7 @@ class TileMarcher {
     handed.isDone = true;
     finished.premultiplied = handed.state.color.premultiplied();
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
-    FinishedSegments segments;  // stay until the ray has been given on, below
-    if (waiting_.mostSegments > 0) segments.take(own.handedSegments(), hasNormals_ ? again.normals : nullptr, finished);
+    if (waiting_.mostSegments > 0) own.segments.take(own.handedSegments(), hasNormals_ ? again.normals : nullptr, finished);
     if (again.isDivided) {
       finished.samples = &again.found;
       return job_.onRay(finished);

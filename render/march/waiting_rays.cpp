@@ -35,7 +35,7 @@ void WaitingRays::finish() {
   }
   if (job_.normalAt)
     for (int lane = 0; lane < count; ++lane)
-      for (int i = 0; i < segments_.size(lane); ++i) rays_[lane].normals[i] = job_.normalAt(rays_[lane], placeToLight(segments_.segment(lane, i)));
+      for (int i = 0; i < segments_.size(lane); ++i) rays_[lane].segments.normals[i] = job_.normalAt(rays_[lane], placeToLight(segments_.segment(lane, i)));
   if (job_.rule != nullptr) encode(count);
   for (int lane = 0; lane < count; ++lane) {
     MarchedRay& ray = rays_[lane];
@@ -52,7 +52,7 @@ void WaitingRays::encode(int count) {
   for (int lane = 0; lane < count; ++lane) {
     MarchedRay& ray = rays_[lane];
     cosines[lane] = ray.finished.cosine;
-    normals[lane] = ray.normals;
+    normals[lane] = ray.segments.normals;
     encoded[lane] = &ray.encoded;
     ray.finished.encoded = &ray.encoded;
   }
@@ -61,9 +61,10 @@ void WaitingRays::encode(int count) {
 
 void WaitingRays::list(int lane) {
   MarchedRay& ray = rays_[lane];
-  ray.list.clear();
-  for (int i = 0; i < segments_.size(lane); ++i) ray.list.add(segments_.segment(lane, i));
-  ray.finished.segments = &ray.list;
+  SegmentList& list = ray.segments.list;
+  list.clear();
+  for (int i = 0; i < segments_.size(lane); ++i) list.add(segments_.segment(lane, i));
+  ray.finished.segments = &list;
 }
 
 }  // namespace warpscope

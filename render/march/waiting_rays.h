@@ -17,9 +17,8 @@ struct MarchedRay {
   RelayedRay* handed = nullptr;  ///< null where rays are marched whole
   std::vector<CountingSample> counting;  ///< where FinishedRay has them
   RaySamples found;
-  SegmentList list;
+  FinishedSegments segments;
   EncodedSegments encoded;
-  NormalCode normals[kMostMergerRoom];  ///< of segments, near to far
 
   /// What is handed on of its segments.
   SegmentMerger& handedSegments() const { return finished.tile->segments[static_cast<size_t>(handed - finished.tile->rays.data())]; }
