@@ -1,5 +1,6 @@
 // Threads that let others go first: that loops run on them and nowhere else, what is thrown there, and who gets a core that both want.
 // Mirrors render/core/crew.h and what parallel.h makes of it.
+#include "render/base/error.h"
 #include "render/core/crew.h"
 #include "render/core/expected_break.h"
 
@@ -7,6 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -71,7 +73,7 @@ TEST(Crew, LoopsOfAShiftRunOnItAndThoseAfterItDoNot) {
   Crew crew(2);
   constexpr size_t kGrain = 7;
   // oneTBB cuts as it likes: into larger pieces where there is one core.
-  const size_t largestOfPool = (tbb::this_task_arena::max_concurrency() > 1 ? 2 : 4) * kGrain;
+  const size_t largestOfPool = (parallelThreads() > 1 ? 2 : 4) * kGrain;
   const auto placesOfLoop = [&] {
     const bool isOnCrew = Crew::ofThisThread() != nullptr;
     Places places;

@@ -1,10 +1,12 @@
 // Turns in the order of asking, work in slices, and marches that would take too long: with work of the test's own, and with a marcher.
 // Mirrors render/core/turns.h and what parallel.h makes of it.
+#include "render/base/error.h"
 #include "render/core/turns.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include "render/core/crew.h"
 
 #include <sys/resource.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +12,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -94,7 +95,7 @@ struct Crew::State {
 };
 
 Crew::Crew(size_t threads, int nice) : state_(std::make_unique<State>()) {
-  if (threads == 0) threads = static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
+  if (threads == 0) threads = parallelThreads();
   for (size_t i = 0; i < threads; ++i) state_->threads.emplace_back([state = state_.get(), nice] { state->work(nice); });
 }
 

@@ -2,6 +2,7 @@
 // See marcher_cpu.h.
 #include "render/march/marcher_cpu.h"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -14,6 +15,7 @@
 
 #include "render/base/stopwatch.h"
 #include "render/core/counters.h"
+#include "render/core/crew.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"

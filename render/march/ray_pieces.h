@@ -1,6 +1,7 @@
 // Where the segments of some rays begin among all, found on all cores.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -2,6 +2,7 @@
 // Whole rays, or the pieces of them that a relay brings (ray_relay.h). The loop along a ray is march.h's.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -10,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "render/base/error.h"
 #include "render/base/memory_limit.h"
 #include "render/core/counters.h"
+#include "render/core/crew.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
@@ -100,7 +103,7 @@ class TileMarcher {
 
   /// The relay's tiles, as they come. Throws OperationCancelled if the job's token is set.
   void marchRelayed() const {
-    parallelForRanges(static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency())), 1, [&](size_t, size_t) {
+    parallelForRanges(parallelThreads(), 1, [&](size_t, size_t) {
       try {
         while (std::unique_ptr<RelayedTile> tile = job_.relay->take()) {
           if (tile->segments.empty() && waiting_.mostSegments > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(waiting_.mostSegments)));

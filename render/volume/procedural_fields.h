@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "render/base/error.h"
+#include "render/core/crew.h"
 #include "render/core/parallel.h"
 #include "render/volume/volume.h"
 

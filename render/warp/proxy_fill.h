@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <type_traits>
 
+#include "render/base/error.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/march/march_setup.h"

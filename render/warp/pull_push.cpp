@@ -2,6 +2,7 @@
 // See pull_push.h.
 #include "render/warp/pull_push.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "render/base/error.h"

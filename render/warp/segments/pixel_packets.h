@@ -4,6 +4,7 @@
 
 #include <stop_token>
 
+#include "render/core/crew.h"
 #include "render/warp/segments/pixel_rays.h"
 #include "render/warp/segments/ray_packet.h"
 

@@ -3,6 +3,8 @@
 
 #include <stop_token>
 
+#include "render/base/error.h"
+#include "render/core/crew.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/march/sample_frame.h"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/core/simd.h"
 #include "render/warp/splats/sphere_footprint.h"
