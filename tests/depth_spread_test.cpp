@@ -48,7 +48,7 @@ double deviation(const std::vector<std::pair<double, double>>& weightsAndPlaces)
 /// One ray along z through the middle, nearly parallel to it at all pixels.
 Camera alongAxis(uint32_t side = 1) { return lookingFrom({0.0f, 0.0f, 60.0f}, glm::vec3(0.0f), side, side, 1e-3f); }
 
-MarcherPtr blobMarcher(VoxelType type = VoxelType::uint8) {
+MarcherPtr softMarcher(VoxelType type = VoxelType::uint8) {
   const glm::uvec3 dims(30, 28, 26);
   return makeCpuMarcher(makeTestVolume(type, dims, blobs(dims, 11)), {{{20.0, glm::vec3(1.0f), 0.0f}, {60.0, glm::vec3(1.0f), 0.3f}}});
 }
@@ -77,7 +77,7 @@ TEST(DepthSpread, OfAHazeItIsTheDefinitions) {
 }
 
 TEST(DepthSpread, IsRoundedToEightBits) {
-  for (const float spread : spreadsOf(blobMarcher()->march(kCorner, spreading()))) EXPECT_EQ(std::bit_cast<uint32_t>(spread) & 0xffffu, 0u);
+  for (const float spread : spreadsOf(softMarcher()->march(kCorner, spreading()))) EXPECT_EQ(std::bit_cast<uint32_t>(spread) & 0xffffu, 0u);
   SampleFrame frame;
   const std::vector<float> lengths{0.0f, 1.0f, 1.00390625f, 1.0f + 0x1p-9f, 1.999f, 3e-38f, 2.5e38f};
   TransferVector<std::byte> bytes(lengths.size() * sizeof(float));
@@ -115,7 +115,7 @@ TEST(DepthSpread, WhereOneSampleCountsThereIsNone) {
 }
 
 TEST(DepthSpread, DoesNotDependOnWhatStandsForARay) {
-  const MarcherPtr marcher = blobMarcher();
+  const MarcherPtr marcher = softMarcher();
   MarchSettings settings = spreading();
   const std::vector<float> expected = spreadsOf(marcher->march(kCorner, settings));
   EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 1.0f);
@@ -126,7 +126,7 @@ TEST(DepthSpread, DoesNotDependOnWhatStandsForARay) {
 }
 
 TEST(DepthSpread, ChangesNothingElse) {
-  const MarcherPtr marcher = blobMarcher();
+  const MarcherPtr marcher = softMarcher();
   for (const int count : {1, 3}) {
     MarchSettings settings = spreading(count);
     SampleFrame with = marcher->march(kCorner, settings);
@@ -141,7 +141,7 @@ TEST(DepthSpread, ChangesNothingElse) {
 
 /// The radius policy that asks for it: in one mode after the other, sent or not.
 TEST(DepthSpread, RadiiOfUncertaintyAreIt) {
-  const MarcherPtr marcher = blobMarcher();
+  const MarcherPtr marcher = softMarcher();
   const auto voxel = static_cast<double>(0.5f * glm::length(marcher->volume()->geometry().voxelEdges()));
   for (const int count : {1, 3})
     for (const float scale : {1.0f, 0.5f})
@@ -174,7 +174,7 @@ TEST(DepthSpread, RadiiOfUncertaintyAreIt) {
 
 /// The law of total variance: what parts have inside of them and between their means is the whole's.
 TEST(DepthSpread, OfPartsAndBetweenThemIsTheWholes) {
-  const MarcherPtr marcher = blobMarcher();
+  const MarcherPtr marcher = softMarcher();
   MarchSettings settings = spreading();
   settings.sample.heuristic = Heuristic::expected;
   const SampleFrame whole = marcher->march(kCorner, settings);
@@ -215,7 +215,7 @@ TEST(DepthSpread, OfSurfacesItIsBetweenThem) {
 }
 
 TEST(DepthSpread, AGreatestValuesDepthIsCertain) {
-  const MarcherPtr marcher = blobMarcher();
+  const MarcherPtr marcher = softMarcher();
   for (const Heuristic heuristic : everyHeuristic()) {
     MarchSettings settings = spreading(3);
     settings.sample.heuristic = heuristic;
@@ -233,7 +233,7 @@ TEST(DepthSpread, IsFiniteAndNoLongerThanHalfTheVolume) {
       for (const int count : {1, 8}) {
         MarchSettings settings = spreading(count);
         settings.render.effects.preIntegration = integrates;
-        for (const float spread : spreadsOf(blobMarcher(type)->march(kCorner, settings))) {
+        for (const float spread : spreadsOf(softMarcher(type)->march(kCorner, settings))) {
           EXPECT_GE(spread, 0.0f);
           EXPECT_LE(spread, 0.5f * std::sqrt(30.0f * 30.0f + 28.0f * 28.0f + 26.0f * 26.0f));
         }

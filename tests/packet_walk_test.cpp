@@ -81,7 +81,6 @@ void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compar
   expectSame<Between::nearest, false>(frame, camera, compared);
 }
 
-const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
 /// About what frames are of: in the frame's eye, near it, beside, behind what is seen, in the midst of it, behind the frame's eye.
 const std::vector<glm::vec3> kEyes{{3.0f, 4.0f, 30.0f}, {3.01f, 4.0f, 30.0f}, {20.0f, 5.0f, 22.0f}, {30.0f, 2.0f, 1.0f}, {-9.0f, -25.0f, -14.0f}, {2.0f, 1.0f, -28.0f},
                                    {1.0f, 2.0f, 6.0f},  {5.0f, 6.0f, 50.0f},  {0.0f, 0.0f, -8.0f}, {3e4f, 2e4f, 1e3f}};

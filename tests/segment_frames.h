@@ -11,11 +11,14 @@
 #include "render/core/color.h"
 #include "render/march/sample_frame.h"
 #include "render/warp/segments/segment_walk.h"
+#include "tests/marcher_cases.h"
 
 namespace warpscope {
 
 /// Of the frames that are made here.
 inline const Box kFrameBounds{glm::vec3(-10.0f), glm::vec3(10.0f)};
+/// Where most of them are seen from.
+inline const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
 
 /// A frame of segments in random places, without samples.
 inline SampleFrame randomFrame(const Camera& camera, uint32_t seed, int most = 4) {

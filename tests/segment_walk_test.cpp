@@ -75,8 +75,6 @@ void expectLikeBruteForce(const SampleFrame& frame, const Camera& camera, const 
   EXPECT_LT(offLinear[offLinear.size() / 2], 0.006) << what;
 }
 
-const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
-
 TEST(SegmentWalk, RandomFramesAreMetAsByBruteForce) {
   int round = 0;
   for (const glm::vec3& eye : {glm::vec3(4.0f, 4.0f, 30.0f), glm::vec3(20.0f, 5.0f, 22.0f), glm::vec3(30.0f, 2.0f, 1.0f), glm::vec3(-9.0f, -25.0f, -14.0f),

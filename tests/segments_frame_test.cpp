@@ -51,7 +51,7 @@ MarchSettings segmented(int segments, int proxy = 0) {
   return settings;
 }
 
-const Camera kServer = lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
+const Camera kBlobsCamera = lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
 
 WarpedImage warped(const SampleFramePtr& frame, const Camera& camera, std::string_view technique = "segments", const WarpSettings& settings = {}) {
   WarpResources resources;
@@ -68,7 +68,7 @@ double psnrAgainst(Marcher& marcher, const MarchSettings& settings, const Camera
   return psnrSrgb(image.color, reference, glm::vec3(0.0f));
 }
 
-SampleFramePtr marched(const MarcherPtr& marcher, const MarchSettings& settings, const Camera& camera = kServer) {
+SampleFramePtr marched(const MarcherPtr& marcher, const MarchSettings& settings, const Camera& camera = kBlobsCamera) {
   return std::make_shared<const SampleFrame>(marcher->march(camera, settings));
 }
 
@@ -77,10 +77,10 @@ bool sameSegments(const FrameSegments& a, const FrameSegments& b) {
 }
 TEST(SegmentsOfAMarch, AreAsManyAsWereAskedForAndLeaveSamplesAlone) {
   const MarcherPtr marcher = blobMarcher();
-  const SampleFrame without = marcher->march(kServer, segmented(0));
+  const SampleFrame without = marcher->march(kBlobsCamera, segmented(0));
   EXPECT_TRUE(without.segments.empty());
   for (const int most : {1, 3, 16}) {
-    const SampleFrame frame = marcher->march(kServer, segmented(most));
+    const SampleFrame frame = marcher->march(kBlobsCamera, segmented(most));
     EXPECT_EQ(frame.samples, without.samples);
     EXPECT_EQ(frame.colors, without.colors);
     ASSERT_EQ(frame.segments.rays.size(), size_t{160} * 120);
@@ -102,9 +102,9 @@ TEST(SegmentsOfAMarch, RaysThatEndSayThatTheyDid) {
   const auto ended = [](const SampleFrame& frame) {
     return std::ranges::count_if(frame.segments.rays, [](RaySegmentCount ray) { return ray.isEnded(); });
   };
-  EXPECT_GT(ended(marcher->march(kServer, settings)), 300);
+  EXPECT_GT(ended(marcher->march(kBlobsCamera, settings)), 300);
   settings.render.terminateEarly = false;
-  EXPECT_EQ(ended(marcher->march(kServer, settings)), 0);
+  EXPECT_EQ(ended(marcher->march(kBlobsCamera, settings)), 0);
 }
 
 TEST(SegmentsOfAMarch, EveryModeHasSome) {
@@ -116,7 +116,7 @@ TEST(SegmentsOfAMarch, EveryModeHasSome) {
     const SampleFramePtr frame = marched(marcher, settings);
     EXPECT_GT(frame->segments.size(), 1000u);
     // Own pictures are the frame's, up to 8 bits.
-    EXPECT_GT(psnrAgainst(*marcher, settings, kServer, warped(frame, kServer)), 50.0) << static_cast<int>(mode);
+    EXPECT_GT(psnrAgainst(*marcher, settings, kBlobsCamera, warped(frame, kBlobsCamera)), 50.0) << static_cast<int>(mode);
   }
 }
 
@@ -128,7 +128,7 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
         settings.render.effects.shading.strength = shading;
         settings.render.effects.jitter = 0.5f;
         settings.render.effects.clip.planes = parseClipPlanes(clip, "it");
-        const SampleFrame frame = blobMarcher(0.6f, type)->march(kServer, settings);
+        const SampleFrame frame = blobMarcher(0.6f, type)->march(kBlobsCamera, settings);
         EXPECT_EQ(frame.segments.normals.empty(), shading == 0.0f);
         for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed, PayloadFormat::tiled}) {
           FrameCodec codec;
@@ -164,11 +164,11 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
 }
 
 TEST(SegmentCodec, TakesFewBytesForWhatLiesOnTheLattice) {
-  const SampleFrame frame = blobMarcher()->march(kServer, segmented(4));
+  const SampleFrame frame = blobMarcher()->march(kBlobsCamera, segmented(4));
   FrameCodec codec;
   CodecSettings coding;
   coding.color = ColorCoding::lossless;
-  const SampleFrame plain = blobMarcher()->march(kServer, segmented(0));
+  const SampleFrame plain = blobMarcher()->march(kBlobsCamera, segmented(0));
   const size_t bytes = codec.encode(frame, coding).size() - codec.encode(plain, coding).size();
   EXPECT_LT(static_cast<double>(bytes), 5.0 * static_cast<double>(frame.segments.size()));
 }
@@ -176,7 +176,7 @@ TEST(SegmentCodec, TakesFewBytesForWhatLiesOnTheLattice) {
 /// And opacities within three codes; what is nearly all or nearly nothing as it is.
 TEST(SegmentCodec, JpegKeepsDepths) {
   for (const float alpha : {0.05f, 0.5f, 1.0f}) {
-    const SampleFrame frame = blobMarcher(alpha)->march(kServer, segmented(3));
+    const SampleFrame frame = blobMarcher(alpha)->march(kBlobsCamera, segmented(3));
     FrameCodec codec;
     const ByteVector payload = codec.encode(frame, {});
     SampleFrame back = headOf(frame);
@@ -199,7 +199,7 @@ TEST(SegmentCodec, JpegIsCoarserWhereLessIsSeen) {
   for (const float alpha : {0.05f, 0.5f, 1.0f}) {
     const MarcherPtr marcher = blobMarcher(alpha);
     const MarchSettings settings = segmented(4);
-    const SampleFrame frame = marcher->march(kServer, settings);
+    const SampleFrame frame = marcher->march(kBlobsCamera, settings);
     FrameCodec codec;
     double last = 0.0;
     size_t bytes = 0;
@@ -211,7 +211,7 @@ TEST(SegmentCodec, JpegIsCoarserWhereLessIsSeen) {
       ASSERT_EQ(codec.decode(payload, frame.size(), back), std::nullopt);
       EXPECT_GT(payload.size(), bytes);
       bytes = payload.size();
-      const double psnr = psnrAgainst(*marcher, settings, kServer, warped(std::make_shared<const SampleFrame>(std::move(back)), kServer));
+      const double psnr = psnrAgainst(*marcher, settings, kBlobsCamera, warped(std::make_shared<const SampleFrame>(std::move(back)), kBlobsCamera));
       EXPECT_GT(psnr, last) << alpha << ", " << quality;
       last = psnr;
     }
@@ -276,7 +276,7 @@ TEST(SegmentCodec, DamageIsFoundAndNothingIsTakenOnTrust) {
 }
 
 TEST(SegmentCodec, FramesThatAreNoneAreRefused) {
-  const SampleFrame frame = blobMarcher()->march(kServer, segmented(3));
+  const SampleFrame frame = blobMarcher()->march(kBlobsCamera, segmented(3));
   const auto expectRefused = [&](const auto& change) {
     SampleFrame wrong = frame;
     change(wrong);
@@ -301,9 +301,9 @@ TEST(SegmentsWarp, TheServersOwnViewIsTheFramesToACodeValue) {
         MarchSettings settings = segmented(most, 16);
         settings.render.effects.shading.strength = shading;
         const SampleFramePtr frame = marched(marcher, settings);
-        const WarpedImage image = warped(frame, kServer);
+        const WarpedImage image = warped(frame, kBlobsCamera);
         Image<glm::vec4> reference;
-        marcher->render(kServer, settings.render, reference);
+        marcher->render(kBlobsCamera, settings.render, reference);
         const ColorTables& tables = ColorTables::instance();
         size_t different = 0;
         for (size_t i = 0; i < image.color.size(); ++i) {
@@ -311,7 +311,7 @@ TEST(SegmentsWarp, TheServersOwnViewIsTheFramesToACodeValue) {
           for (const int shift : {0, 8, 16}) different += std::abs(static_cast<int>(a >> shift & 255) - static_cast<int>(b >> shift & 255)) > 1;
         }
         EXPECT_LT(different, image.color.size() / 1000) << alpha << ", " << shading << ", " << most;
-        EXPECT_GT(psnrAgainst(*marcher, settings, kServer, image), 50.0) << alpha << ", " << shading << ", " << most;
+        EXPECT_GT(psnrAgainst(*marcher, settings, kBlobsCamera, image), 50.0) << alpha << ", " << shading << ", " << most;
       }
 }
 
@@ -330,7 +330,7 @@ TEST(SegmentsWarp, LightGoesWithTheCamera) {
   const MarcherPtr marcher = ballMarcher(0.9f);
   MarchSettings settings = segmented(4, 24);
   settings.render.effects.shading.strength = 1.0f;
-  auto frame = std::make_shared<SampleFrame>(marcher->march(kServer, settings));
+  auto frame = std::make_shared<SampleFrame>(marcher->march(kBlobsCamera, settings));
   ASSERT_EQ(frame->segments.normals.size(), frame->segments.size());
   const double with = psnrAgainst(*marcher, settings, beside, warped(frame, beside));
   auto without = std::make_shared<SampleFrame>(*frame);
@@ -339,7 +339,7 @@ TEST(SegmentsWarp, LightGoesWithTheCamera) {
   // Lights of the world that shine evenly have no need of normals.
   settings.render.effects.lights = parseLights("world:1,1,1", "it");
   settings.render.effects.shading.specular = 0.0f;
-  EXPECT_TRUE(marcher->march(kServer, settings).segments.normals.empty());
+  EXPECT_TRUE(marcher->march(kBlobsCamera, settings).segments.normals.empty());
 }
 
 /// Lights that stay in the world are where they are whether the copy of the volume comes along or not.
@@ -359,7 +359,7 @@ TEST(SegmentsWarp, LightsOfTheWorldStayWhereTheyAreWithoutTheCopy) {
   settings.render.effects.shading.strength = 1.0f;
   settings.render.effects.shading.specular = 0.6f;
   settings.render.effects.lights = parseLights("point:5.06,-2.97,2.05 world:0,0,1@0.5", "it");
-  auto frame = std::make_shared<SampleFrame>(marcher->march(kServer, settings));
+  auto frame = std::make_shared<SampleFrame>(marcher->march(kBlobsCamera, settings));
   ASSERT_EQ(frame->segments.normals.size(), frame->segments.size());
   auto bare = std::make_shared<SampleFrame>(*frame);
   bare->proxy.reset();
@@ -381,7 +381,7 @@ TEST(SegmentsWarp, UnlitColoursComeBackLit) {
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   Shading shading;
   shading.strength = 1.0f;
-  const Camera camera = kServer;
+  const Camera camera = kBlobsCamera;
   for (const char* text : {"headlight", "camera:1,1,-1", "world:0,1,0", "point:20,30,40@0.7 headlight@0.3"}) {
     VolumeGeometry geometry;
     geometry.dims = kDims;
@@ -412,7 +412,7 @@ TEST(SegmentsWarp, WhatNoFrameHasSeenComesFromTheCopy) {
 }
 
 TEST(SegmentsWarp, AFrameWithoutSegmentsCoversNothing) {
-  const WarpedImage image = warped(marched(blobMarcher(), segmented(0)), kServer);
+  const WarpedImage image = warped(marched(blobMarcher(), segmented(0)), kBlobsCamera);
   for (const uint32_t id : image.samples) EXPECT_EQ(id, kNoSample);
 }
 

@@ -118,8 +118,6 @@ uint32_t codeAt(const Camera& camera, float depth) {
   return encodeDepth(depth, quantizationFor(camera, kFrameBounds, 1.0f).depthStep);
 }
 
-const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
-
 // --- 64: no length, opacity 1 and 1e-8, a thousand samples merged to one
 
 /// In the frame's own view, however long they are; from elsewhere sheets, aslant or along them.
