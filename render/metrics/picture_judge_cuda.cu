@@ -17,7 +17,7 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kJudgeThreads = 256;
 constexpr int kDisplayPlanes = 6;  // linear red, green, blue, then sRGB
 enum Quantity : int { kCheck, kSrgbSquares, kLinearSquares, kSimilarity, kFlip, kQuantities };
 
@@ -62,7 +62,7 @@ struct ScreenPixels {
 /// Fills kDisplayPlanes planes; sums checks and, where there is a reference, squared differences from its planes.
 template <class Pixels>
 __global__ void display(Pixels pixels, size_t count, float* planes, const float* reference, double* partials, unsigned stride) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  const size_t i = size_t{blockIdx.x} * kJudgeThreads + threadIdx.x;
   double check = 0.0, srgb = 0.0, linear = 0.0;
   if (i < count) {
     const DisplayedPixel shown = pixels(i);
@@ -153,8 +153,8 @@ class CudaPictureJudge final : public DevicePictureJudge {
 
   template <class Pixels>
   void display(const Pixels& pixels, float* planes, const float* reference) {
-    const unsigned blocks = cuda::blocksFor(count(), kThreads);
-    warpscope::display<<<blocks, kThreads, 0, stream_>>>(pixels, count(), planes, reference, partials_.data(), stride_);
+    const unsigned blocks = cuda::blocksFor(count(), kJudgeThreads);
+    warpscope::display<<<blocks, kJudgeThreads, 0, stream_>>>(pixels, count(), planes, reference, partials_.data(), stride_);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     sumUp(kCheck, 3, blocks);
   }
@@ -196,7 +196,7 @@ class CudaPictureJudge final : public DevicePictureJudge {
   template <class Pixels>
   void keepSized(const Pixels& pixels) {
     const dim3 grid = tiles();
-    stride_ = std::max(cuda::blocksFor(count(), kThreads), 3 * grid.x * grid.y);
+    stride_ = std::max(cuda::blocksFor(count(), kJudgeThreads), 3 * grid.x * grid.y);
     partials_.reserve(size_t{kQuantities} * stride_);
     reference_.reserve(kDisplayPlanes * count());
     planes_.reserve(kDisplayPlanes * count());

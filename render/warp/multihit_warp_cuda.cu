@@ -18,11 +18,11 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kHitThreads = 256;
 
 /// Of rays in one pixel the one whose first sample is nearest, of equally near ones the first, as ownPicture(): `firstOf` takes its depth code and, in the lower half, its index.
 __global__ void findFirstSamples(const SampleRays rays, unsigned long long* firstOf) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kHitThreads + threadIdx.x;
   if (i >= rays.count || (rays.layers != nullptr && rays.layers[i] != 0)) return;
   const PackedSample sample = rays.samples[i];
   const uint32_t column = columnOf(sample), row = rowOf(sample);
@@ -31,13 +31,13 @@ __global__ void findFirstSamples(const SampleRays rays, unsigned long long* firs
 }
 
 __global__ void keepIndices(const unsigned long long* firstOf, uint32_t* indices, size_t count) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  const size_t i = size_t{blockIdx.x} * kHitThreads + threadIdx.x;
   static_assert(kNoSample == 0xffffffffu, "what no sample has set");
   if (i < count) indices[i] = static_cast<uint32_t>(firstOf[i]);
 }
 
 __global__ void setSurfaceRadii(const __grid_constant__ SampleRays rays, PackedSample* samples) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kHitThreads + threadIdx.x;
   if (i < rays.count) samples[i] = withSurfaceRadius(rays, i);
 }
 
@@ -170,14 +170,14 @@ class CudaMultihitWarp final : public DeviceWarp {
     rays_ = {frame.samples, hasUploadedLayers_ ? layers_.data() : frameThere().layers(), firstOf_.data(), frame.count, camera_.width, camera_.height, frame.grid};
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(nearestOf_.data(), 0xff, pixels * sizeof(unsigned long long), stream));
     if (frame.count > 0) {
-      findFirstSamples<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, nearestOf_.data());
+      findFirstSamples<<<cuda::blocksFor(frame.count, kHitThreads), kHitThreads, 0, stream>>>(rays_, nearestOf_.data());
       WARPSCOPE_CUDA_CHECK_LAUNCH();
     }
-    keepIndices<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(nearestOf_.data(), firstOf_.data(), pixels);
+    keepIndices<<<cuda::blocksFor(pixels, kHitThreads), kHitThreads, 0, stream>>>(nearestOf_.data(), firstOf_.data(), pixels);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     samples_.reserve(frame.count);
     if (frame.count > 0) {
-      setSurfaceRadii<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, samples_.data());
+      setSurfaceRadii<<<cuda::blocksFor(frame.count, kHitThreads), kHitThreads, 0, stream>>>(rays_, samples_.data());
       WARPSCOPE_CUDA_CHECK_LAUNCH();
     }
     closed_ = frame;

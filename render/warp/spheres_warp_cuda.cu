@@ -15,10 +15,10 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kTracedThreads = 256;
 
 __global__ void drawOut(DeviceFrameView frame, const float* spreads, float factor, glm::vec3* halfLines) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kTracedThreads + threadIdx.x;
   if (i < frame.count) halfLines[i] = halfLineOf(frame.grid, frame.samples[i], spreads[i], factor);
 }
 
@@ -69,7 +69,7 @@ class CudaSpheresWarp final : public DeviceWarp {
     if (!isSmeared(settings)) return lbvh_.build(frame, stream);
     halfLines_.reserve(frame.count);
     if (frame.count > 0) {
-      drawOut<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, reinterpret_cast<const float*>(spreads_.data()), smear_, halfLines_.data());
+      drawOut<<<cuda::blocksFor(frame.count, kTracedThreads), kTracedThreads, 0, stream>>>(frame, reinterpret_cast<const float*>(spreads_.data()), smear_, halfLines_.data());
       WARPSCOPE_CUDA_CHECK_LAUNCH();
     }
     lbvh_.build(frame, stream, halfLines_.data());

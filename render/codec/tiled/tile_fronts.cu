@@ -12,7 +12,7 @@ namespace warpscope {
 namespace {
 
 static_assert(kCodedTileHeight == 32, "a row is a thread of a warp");
-constexpr unsigned kThreads = 128;
+constexpr unsigned kFrontThreads = 128;
 
 struct FrontNeighbors {
   uint32_t west, north, northWest;
@@ -225,7 +225,7 @@ __device__ void goThroughTile(const TileRect& rect, const LayerMasks& masks, uin
 }
 
 /// A block for each stream and job; the words of the stream, then origins, are in shared memory.
-__global__ void __launch_bounds__(kThreads) takeDifferences(const __grid_constant__ SheetView view, const __grid_constant__ FrontJobs jobs) {
+__global__ void __launch_bounds__(kFrontThreads) takeDifferences(const __grid_constant__ SheetView view, const __grid_constant__ FrontJobs jobs) {
   extern __shared__ uint32_t words[];
   __shared__ LayerMasks masks;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
@@ -236,7 +236,7 @@ __global__ void __launch_bounds__(kThreads) takeDifferences(const __grid_constan
   const TileRect rect = view.grid.at(tile);
   auto* const origins = reinterpret_cast<int32_t*>(words + size);
   masks.fill(view, rect, stream, layer);
-  for (uint32_t i = threadIdx.x; i < size; i += kThreads) {
+  for (uint32_t i = threadIdx.x; i < size; i += kFrontThreads) {
     uint32_t word = 0;
     if (job.isNumber())
       word = view.numbers[size_t{job.plane} * view.values + begin + i];
@@ -255,7 +255,7 @@ __global__ void __launch_bounds__(kThreads) takeDifferences(const __grid_constan
       goThroughTile(rect, masks, words, nullptr, ChannelRule{});
   }
   __syncthreads();
-  for (uint32_t i = threadIdx.x; i < size; i += kThreads) job.values[begin + i] = words[i];
+  for (uint32_t i = threadIdx.x; i < size; i += kFrontThreads) job.values[begin + i] = words[i];
 }
 
 }  // namespace
@@ -268,7 +268,7 @@ void putFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream
 
 void takeFronts(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
   constexpr unsigned kBytes = 2 * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));  // the less, the more tiles at once
-  takeDifferences<<<dim3(view.tiles() * view.layers, jobs.count), kThreads, kBytes, stream>>>(view, jobs);
+  takeDifferences<<<dim3(view.tiles() * view.layers, jobs.count), kFrontThreads, kBytes, stream>>>(view, jobs);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -7,10 +7,10 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kTreeThreads = 256;
 
 /// Order within a cluster does not matter: 16 bits an axis tell 2^16 cells apart along the longest one, and save sorting passes.
-constexpr int kCodeBits = 48;
+constexpr int kTreeCodeBits = 48;
 
 __device__ void storeBox(float4* boxes, uint32_t i, const Box& box) {
   boxes[2 * size_t{i}] = {box.lower.x, box.lower.y, box.lower.z, 0.0f};
@@ -19,7 +19,7 @@ __device__ void storeBox(float4* boxes, uint32_t i, const Box& box) {
 
 /// A lane a sphere, a warp a cluster.
 __global__ void gatherClusters(DeviceFrameView frame, const uint32_t* ids, float4* spheres, float4* boxes) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kTreeThreads + threadIdx.x;
   Box box;
   if (i < frame.count) {
     const Sphere sphere = unpackSample(frame.samples[ids[i]], frame.grid);
@@ -32,7 +32,7 @@ __global__ void gatherClusters(DeviceFrameView frame, const uint32_t* ids, float
 
 /// A lane a box of the level below, a warp a box.
 __global__ void uniteBoxes(const float4* below, uint32_t count, float4* boxes) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kTreeThreads + threadIdx.x;
   Box box;
   if (i < count) {
     const float4 lower = below[2 * size_t{i}], upper = below[2 * size_t{i} + 1];
@@ -91,7 +91,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceNearest(const __grid_c
 }  // namespace
 
 void DeviceClusterTree::build(const DeviceFrameView& frame, cudaStream_t stream) {
-  cloud_.build(frame, kCodeBits, stream);
+  cloud_.build(frame, kTreeCodeBits, stream);
   if (frame.count == 0) return;
   center_ = frame.grid.bounds.center();
   typicalRadius_ = 1.5f * frame.grid.radiusUnit;
@@ -100,11 +100,11 @@ void DeviceClusterTree::build(const DeviceFrameView& frame, cudaStream_t stream)
   for (uint32_t n = frame.count; n > 1 || boxes == 0;) boxes += n = (n - 1) / kClusterWidth + 1;
   boxes_.reserve(2 * boxes);
   const ClusterTreeView tree = view();
-  gatherClusters<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data(),
+  gatherClusters<<<cuda::blocksFor(frame.count, kTreeThreads), kTreeThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data(),
                                                                                   const_cast<float4*>(tree.boxes[0]));
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 1; level < tree.levels; ++level) {
-    uniteBoxes<<<cuda::blocksFor(tree.boxCount[level - 1], kThreads), kThreads, 0, stream>>>(
+    uniteBoxes<<<cuda::blocksFor(tree.boxCount[level - 1], kTreeThreads), kTreeThreads, 0, stream>>>(
         tree.boxes[level - 1], tree.boxCount[level - 1], const_cast<float4*>(tree.boxes[level]));
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }

@@ -7,7 +7,7 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kPixelThreads = 256;
 
 /// As resolveColors of warp.h.
 __device__ glm::vec4 colorOf(const DeviceFrameView& frame, const ColorTables& tables, uint32_t sample) {
@@ -15,14 +15,14 @@ __device__ glm::vec4 colorOf(const DeviceFrameView& frame, const ColorTables& ta
 }
 
 __global__ void resolve(DeviceFrameView frame, const ColorTables* tables, DevicePixels pixels, size_t count) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  const size_t i = size_t{blockIdx.x} * kPixelThreads + threadIdx.x;
   if (i < count) pixels.color[i] = colorOf(frame, *tables, pixels.samples[i]);
 }
 
 template <bool kBlends>
 __global__ void compose(DeviceFrameView frame, const ColorTables* tables, DevicePixels pixels, size_t count, glm::vec3 background,
                         PixelMarks marks, Rgba8* picture) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  const size_t i = size_t{blockIdx.x} * kPixelThreads + threadIdx.x;
   if (i >= count) return;
   const uint32_t sample = pixels.samples[i];
   const Rgba8 mark = marks.of(sample);
@@ -92,7 +92,7 @@ void DeviceWarp::draw(const Camera& camera, const WarpSettings& settings, Warped
   if (!blends()) {
     color_.reserve(image.color.size());
     pixels.color = color_.data();
-    resolve<<<cuda::blocksFor(image.color.size(), kThreads), kThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels,
+    resolve<<<cuda::blocksFor(image.color.size(), kPixelThreads), kPixelThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels,
                                                                                      image.color.size());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
@@ -121,7 +121,7 @@ DevicePicturePtr DeviceWarp::drawForScreen(const Camera& camera, const WarpSetti
   const DevicePixels pixels = pixelsFor(camera);
   traceInto(pixels, camera, settings);
   const auto kernel = blends() ? compose<true> : compose<false>;
-  kernel<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels, count, background,
+  kernel<<<cuda::blocksFor(count, kPixelThreads), kPixelThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels, count, background,
                                                                      marks, picture->data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   end_.record(stream_);

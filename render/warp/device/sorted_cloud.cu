@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kSortThreads = 256;
 constexpr unsigned kSamplesPerThread = 8;
 
 /// Floats as integers of the same order.
@@ -23,9 +23,9 @@ __device__ float floatOf(uint32_t ordered) {
 
 __global__ void boundCenters(DeviceFrameView frame, uint32_t* bounds) {
   Box box;
-  const uint32_t first = blockIdx.x * kThreads * kSamplesPerThread + threadIdx.x;
+  const uint32_t first = blockIdx.x * kSortThreads * kSamplesPerThread + threadIdx.x;
   for (unsigned k = 0; k < kSamplesPerThread; ++k) {
-    const uint32_t i = first + k * kThreads;
+    const uint32_t i = first + k * kSortThreads;
     if (i < frame.count) box.include(unpackSample(frame.samples[i], frame.grid).center);
   }
   __shared__ uint32_t shared[6];
@@ -43,7 +43,7 @@ __global__ void boundCenters(DeviceFrameView frame, uint32_t* bounds) {
 }
 
 __global__ void makeCodes(DeviceFrameView frame, const uint32_t* bounds, uint64_t* codes, uint32_t* ids) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kSortThreads + threadIdx.x;
   if (i >= frame.count) return;
   const Box centers{{floatOf(bounds[0]), floatOf(bounds[1]), floatOf(bounds[2])},
                     {floatOf(bounds[3]), floatOf(bounds[4]), floatOf(bounds[5])}};
@@ -63,9 +63,9 @@ void SortedCloud::build(const DeviceFrameView& frame, int codeBits, cudaStream_t
   unsortedIds_.reserve(count_);
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(bounds_.data(), 0xff, 3 * sizeof(uint32_t), stream));
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(bounds_.data() + 3, 0, 3 * sizeof(uint32_t), stream));
-  boundCenters<<<cuda::blocksFor(count_, kThreads * kSamplesPerThread), kThreads, 0, stream>>>(frame, bounds_.data());
+  boundCenters<<<cuda::blocksFor(count_, kSortThreads * kSamplesPerThread), kSortThreads, 0, stream>>>(frame, bounds_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  makeCodes<<<cuda::blocksFor(count_, kThreads), kThreads, 0, stream>>>(frame, bounds_.data(), unsortedCodes_.data(), unsortedIds_.data());
+  makeCodes<<<cuda::blocksFor(count_, kSortThreads), kSortThreads, 0, stream>>>(frame, bounds_.data(), unsortedCodes_.data(), unsortedIds_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
     return cub::DeviceRadixSort::SortPairs(memory, bytes, unsortedCodes_.data(), codes_.data(), unsortedIds_.data(), ids_.data(),

@@ -9,10 +9,10 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kSphereThreads = 256;
 
-__global__ void __launch_bounds__(kThreads) pick(const PackedSample* samples, const uint32_t* places, unsigned count, PackedSample* picked) {
-  for (unsigned i = threadIdx.x; i < count; i += kThreads) picked[i] = samples[places[i]];
+__global__ void __launch_bounds__(kSphereThreads) pick(const PackedSample* samples, const uint32_t* places, unsigned count, PackedSample* picked) {
+  for (unsigned i = threadIdx.x; i < count; i += kSphereThreads) picked[i] = samples[places[i]];
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ SphereLoadProbe SphereSamples::probeOf(const SampleFrame& frame, const DeviceFra
   places_.assign(places.begin(), places.end());
   samples_.resize(places.size());
   if (!places.empty()) {
-    pick<<<1, kThreads, 0, stream>>>(there.samples, places_.data(), static_cast<unsigned>(places.size()), samples_.data());
+    pick<<<1, kSphereThreads, 0, stream>>>(there.samples, places_.data(), static_cast<unsigned>(places.size()), samples_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream));
   }

@@ -7,16 +7,16 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
-constexpr int kCodeBits = 63;
+constexpr unsigned kLbvhThreads = 256;
+constexpr int kLbvhCodeBits = 63;
 
 __global__ void gatherSpheres(DeviceFrameView frame, const uint32_t* ids, Sphere* spheres) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kLbvhThreads + threadIdx.x;
   if (i < frame.count) spheres[i] = unpackSample(frame.samples[ids[i]], frame.grid);
 }
 
 __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes, uint32_t* parents) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kLbvhThreads + threadIdx.x;
   if (i + 1 >= count) return;
   const MortonRange range = determineRange(codes, count, i);
   const uint32_t split = findSplit(codes, count, range);
@@ -32,7 +32,7 @@ __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes
 
 /// `halfLines` by id, null where all are spheres.
 __global__ void boundNodes(const Sphere* spheres, const uint32_t* ids, const glm::vec3* halfLines, uint32_t count, LbvhNode* nodes, const uint32_t* parents, uint32_t* arrivals) {
-  const uint32_t leaf = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t leaf = blockIdx.x * kLbvhThreads + threadIdx.x;
   if (leaf >= count) return;
   Box box = halfLines == nullptr ? sphereBounds(spheres[leaf]) : capsuleBounds(spheres[leaf], halfLines[ids[leaf]]);
   float smallestRadius = spheres[leaf].radius;
@@ -75,23 +75,23 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceRays(const __grid_cons
 }  // namespace
 
 void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream, const glm::vec3* halfLines) {
-  cloud_.build(frame, kCodeBits, stream);
+  cloud_.build(frame, kLbvhCodeBits, stream);
   halfLines_ = halfLines;
   // No line's half is longer than the bounds, and each coordinate gets at most that.
   reach_ = cloud_.reach() + (halfLines != nullptr ? 3.0f * glm::length(frame.grid.bounds.extent()) : 0.0f);
   const uint32_t count = frame.count;
   if (count == 0) return;
   spheres_.reserve(count);
-  gatherSpheres<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data());
+  gatherSpheres<<<cuda::blocksFor(count, kLbvhThreads), kLbvhThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   if (count == 1) return;
   nodes_.reserve(count - 1);
   parents_.reserve(2 * size_t{count} - 1);
   arrivals_.reserve(count - 1);
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(arrivals_.data(), 0, (count - 1) * sizeof(uint32_t), stream));
-  emitNodes<<<cuda::blocksFor(count - 1, kThreads), kThreads, 0, stream>>>(cloud_.codes(), count, nodes_.data(), parents_.data());
+  emitNodes<<<cuda::blocksFor(count - 1, kLbvhThreads), kLbvhThreads, 0, stream>>>(cloud_.codes(), count, nodes_.data(), parents_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  boundNodes<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(spheres_.data(), cloud_.ids(), halfLines_, count, nodes_.data(), parents_.data(),
+  boundNodes<<<cuda::blocksFor(count, kLbvhThreads), kLbvhThreads, 0, stream>>>(spheres_.data(), cloud_.ids(), halfLines_, count, nodes_.data(), parents_.data(),
                                                                                 arrivals_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }

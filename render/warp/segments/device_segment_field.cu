@@ -20,10 +20,10 @@ struct NumberAt {
   __host__ __device__ uint32_t operator()(size_t i) const { return i < pixels ? static_cast<uint32_t>(rays[i].count()) : 0; }
 };
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kFieldThreads = 256;
 
-__global__ void __launch_bounds__(kThreads) markEnds(const RaySegmentCount* rays, size_t pixels, uint32_t* first) {
-  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+__global__ void __launch_bounds__(kFieldThreads) markEnds(const RaySegmentCount* rays, size_t pixels, uint32_t* first) {
+  const size_t i = size_t{blockIdx.x} * kFieldThreads + threadIdx.x;
   if (i < pixels && rays[i].isEnded()) first[i + 1] |= SegmentField::kEndedBit;
 }
 
@@ -58,8 +58,8 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   ofPixels[at] = tileOf(outer, begin < end ? 2 : 0, (next & SegmentField::kEndedBit) != 0);
 }
 
-__global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, int partColumns, int partRows, int level, int columns, int rows, FieldTile* tiles) {
-  const int i = static_cast<int>(blockIdx.x * kThreads + threadIdx.x);
+__global__ void __launch_bounds__(kFieldThreads) fillTiles(const FieldTile* parts, int partColumns, int partRows, int level, int columns, int rows, FieldTile* tiles) {
+  const int i = static_cast<int>(blockIdx.x * kFieldThreads + threadIdx.x);
   if (i < columns * rows) tiles[i] = tileOf(parts, partColumns, partRows, level, i % columns, i / columns);
 }
 
@@ -137,7 +137,7 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
     return cub::DeviceScan::ExclusiveSum(memory, bytes, numbers, first_.data(), static_cast<int64_t>(pixels + 1), stream);
   });
-  markEnds<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(from_->rays.data(), pixels, first_.data());
+  markEnds<<<cuda::blocksFor(pixels, kFieldThreads), kFieldThreads, 0, stream>>>(from_->rays.data(), pixels, first_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
   fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), from_->depths.data(), from_->segmentColors.data(), tables,
@@ -146,7 +146,7 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 0; level < kFieldLevels; ++level) {
     const TileLevel size = tileLevel(width_, height_, level);
-    fillTiles<<<cuda::blocksFor(size.count(), kThreads), kThreads, 0, stream>>>(level == 0 ? ofPixels_.data() : tiles_[level - 1].data(), size.partColumns,
+    fillTiles<<<cuda::blocksFor(size.count(), kFieldThreads), kFieldThreads, 0, stream>>>(level == 0 ? ofPixels_.data() : tiles_[level - 1].data(), size.partColumns,
                                                                                 size.partRows, level, size.columns, size.rows, tiles_[level].data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }

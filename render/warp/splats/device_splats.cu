@@ -5,10 +5,10 @@
 namespace warpscope {
 namespace {
 
-constexpr unsigned kThreads = 256;
+constexpr unsigned kSplatThreads = 256;
 
 __global__ void resolveNearest(const HitPlanes nearest, uint32_t width, uint32_t* ids, float* depth) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const uint32_t i = blockIdx.x * kSplatThreads + threadIdx.x;
   if (i >= width * nearest.height) return;
   const KeptHit hit = nearest.hits[nearest.at(i % width, i / width)];
   ids[i] = hit == kNoKeptHit ? kNoSample : static_cast<uint32_t>(hit);
@@ -23,7 +23,7 @@ void DeviceSplats::draw(const DeviceFrameView& frame, const Camera& camera, uint
   planes.hits = nearest_.data();
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(planes.hits, 0xff, planes.size() * sizeof(KeptHit), stream));
   walk_.walk(NearestOfSpheres{}, frame, camera, planes, {}, stream);
-  resolveNearest<<<cuda::blocksFor(size_t{camera.width} * camera.height, kThreads), kThreads, 0, stream>>>(planes, camera.width, ids, depth);
+  resolveNearest<<<cuda::blocksFor(size_t{camera.width} * camera.height, kSplatThreads), kSplatThreads, 0, stream>>>(planes, camera.width, ids, depth);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
