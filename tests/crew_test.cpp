@@ -1,6 +1,5 @@
 // Threads that let others go first: that loops run on them and nowhere else, what is thrown there, and who gets a core that both want.
 // Mirrors render/core/crew.h and what parallel.h makes of it.
-#include "render/base/error.h"
 #include "render/core/crew.h"
 #include "render/core/expected_break.h"
 
@@ -18,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -73,7 +73,7 @@ TEST(Crew, LoopsOfAShiftRunOnItAndThoseAfterItDoNot) {
   Crew crew(2);
   constexpr size_t kGrain = 7;
   // oneTBB cuts as it likes: into larger pieces where there is one core.
-  const size_t largestOfPool = (parallelThreads() > 1 ? 2 : 4) * kGrain;
+  const size_t largestOfPool = (Crew::usualSize() > 1 ? 2 : 4) * kGrain;
   const auto placesOfLoop = [&] {
     const bool isOnCrew = Crew::ofThisThread() != nullptr;
     Places places;

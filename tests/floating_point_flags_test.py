@@ -37,7 +37,7 @@ def faults_of(command, source):
 
 def main():
     build, sources = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-    looked_at, rooms, faults = 0, set(), []
+    looked_at, rooms, faults, on_device = 0, set(), [], {"render": 0, "tests": 0}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         for path in compiled_by(entry):
             if not path.is_relative_to(sources):
@@ -46,6 +46,8 @@ def main():
             if path.suffix not in (".cpp", ".cu") or path.is_relative_to(build) or not name.startswith(tuple(ROOMS)):
                 continue
             looked_at += 1
+            if path.suffix == ".cu":
+                on_device[name.split("/")[0]] += 1
             rooms.add(name.split("/")[0] + "/")
             faults += [f"{name}: {fault}" for fault in faults_of(entry["command"], name)]
     linked = 0
@@ -55,6 +57,8 @@ def main():
             linked += key == "LINK_LIBRARIES"
             faults += [f"build.ninja: links with {word}" for word in value.split() if word in FORBIDDEN_LINKING]
     faults += [f"no source of {room} is compiled" for room in ROOMS if room not in rooms]
+    if on_device["tests"] > 0 and on_device["render"] < 20:
+        faults.append(f"of render/ {on_device['render']} sources are compiled for devices")
     print("\n".join(faults) or f"{looked_at} sources are compiled, and {linked} programs and libraries linked, to round as they are written")
     return 1 if faults or looked_at < 100 or linked < 5 else 0
 

@@ -1,6 +1,5 @@
 // Turns in the order of asking, work in slices, and marches that would take too long: with work of the test's own, and with a marcher.
 // Mirrors render/core/turns.h and what parallel.h makes of it.
-#include "render/base/error.h"
 #include "render/core/turns.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/march/marcher_cpu.h"
 #include "render/volume/procedural.h"

@@ -3,6 +3,7 @@
 #include "render/core/crew.h"
 
 #include <sys/resource.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,8 +13,6 @@
 #include <thread>
 #include <utility>
 #include <vector>
-
-#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -94,8 +93,10 @@ struct Crew::State {
   std::vector<std::jthread> threads;
 };
 
+size_t Crew::usualSize() { return static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency())); }
+
 Crew::Crew(size_t threads, int nice) : state_(std::make_unique<State>()) {
-  if (threads == 0) threads = parallelThreads();
+  if (threads == 0) threads = usualSize();
   for (size_t i = 0; i < threads; ++i) state_->threads.emplace_back([state = state_.get(), nice] { state->work(nice); });
 }
 

@@ -49,7 +49,9 @@ class Crew {
   /// a factor of 1.25 (sched(7)): the window's own thread, which wants little, has nine tenths of a core that pictures want as well; a march has three tenths beside them, and they do not
   /// wait for it. Less would let it stand still while pictures are drawn all the time; tests/bench/README.md has figures.
   static constexpr int kOfPictures = 9, kOfMarches = kOfPictures + 4;
-  /// As many threads as loops run on otherwise, or `threads`.
+  /// How many threads loops run on where nobody works with a crew: at least one.
+  static size_t usualSize();
+  /// So many threads, or `threads`.
   explicit Crew(size_t threads = 0, int nice = kOfMarches);
   ~Crew();
   Crew(const Crew&) = delete;

@@ -4,7 +4,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,10 +11,9 @@
 
 #include "render/base/error.h"
 #include "render/core/crew.h"
+#include "render/core/turns.h"
 
 namespace warpscope {
-
-size_t parallelThreads() { return static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency())); }
 
 void parallelForRanges(size_t count, size_t grain, RangeBody body) {
   if (Crew* const crew = Crew::ofThisThread()) {
@@ -43,7 +41,7 @@ void parallelForInTurns(size_t count, TurnsOfJob& turns, const std::stop_token& 
   std::atomic<size_t> next = 0;
   const auto workUntil = [&](std::chrono::steady_clock::time_point end) {
     const Crew* const crew = Crew::ofThisThread();
-    parallelForRanges(crew ? crew->size() : parallelThreads(), 1, [&](size_t, size_t) {
+    parallelForRanges(crew ? crew->size() : Crew::usualSize(), 1, [&](size_t, size_t) {
       while (!stop.stop_requested() && std::chrono::steady_clock::now() < end) {
         const size_t i = next.fetch_add(1, std::memory_order_relaxed);
         if (i >= count) return;

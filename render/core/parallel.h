@@ -8,15 +8,13 @@
 #include <stop_token>
 
 #include "render/base/function_ref.h"
-#include "render/core/turns.h"
 
 namespace warpscope {
 
+class TurnsOfJob;
+
 using RangeBody = FunctionRef<void(size_t begin, size_t end)>;
 using TileBody = FunctionRef<void(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)>;
-
-/// How many threads loops run on where nobody works with a crew: at least one.
-size_t parallelThreads();
 
 /// Calls body(begin, end) on pieces of [0, count) of about `grain` items, in parallel.
 void parallelForRanges(size_t count, size_t grain, RangeBody body);

@@ -40,10 +40,10 @@ bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<s
   WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
   if (wanted > DeviceVolume::kMostCellBytes || wanted > freeBytes / 2 || wanted > deviceMemoryLimit().value_or(wanted)) return false;
   bytes = cuda::DeviceBuffer<std::byte>(wanted);
-  constexpr unsigned kVolumeThreads = 128;
+  constexpr unsigned kThreads = 128;
   constexpr unsigned kMostBlocks = 65535;
-  const dim3 grid(cuda::blocksFor(cellDims.x, kVolumeThreads), std::min<unsigned>(cellDims.y, kMostBlocks), std::min<unsigned>(cellDims.z, kMostBlocks));
-  toCells<<<grid, kVolumeThreads, 0, stream>>>(voxels, reinterpret_cast<VoxelCell<Voxel>*>(bytes.data()), dims);
+  const dim3 grid(cuda::blocksFor(cellDims.x, kThreads), std::min<unsigned>(cellDims.y, kMostBlocks), std::min<unsigned>(cellDims.z, kMostBlocks));
+  toCells<<<grid, kThreads, 0, stream>>>(voxels, reinterpret_cast<VoxelCell<Voxel>*>(bytes.data()), dims);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   return true;
 }
@@ -78,8 +78,8 @@ void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const V
         const size_t size = std::min(end - first, kChunk);
         onChunk();
         chunk.upload(std::span(voxels + first, size), stream);
-        constexpr unsigned kVolumeThreads = 256;
-        toInterpolants<<<cuda::blocksFor(size, kVolumeThreads), kVolumeThreads, 0, stream>>>(chunk.data(), values + first, size, scale);
+        constexpr unsigned kThreads = 256;
+        toInterpolants<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), values + first, size, scale);
         WARPSCOPE_CUDA_CHECK_LAUNCH();
       }
     stream.synchronize();

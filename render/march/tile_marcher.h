@@ -103,7 +103,7 @@ class TileMarcher {
 
   /// The relay's tiles, as they come. Throws OperationCancelled if the job's token is set.
   void marchRelayed() const {
-    parallelForRanges(parallelThreads(), 1, [&](size_t, size_t) {
+    parallelForRanges(Crew::usualSize(), 1, [&](size_t, size_t) {
       try {
         while (std::unique_ptr<RelayedTile> tile = job_.relay->take()) {
           if (tile->segments.empty() && waiting_.mostSegments > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(waiting_.mostSegments)));

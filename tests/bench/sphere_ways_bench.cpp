@@ -1,8 +1,6 @@
 // Which way of finding what lies along rays is fastest, over frames and views of many kinds: on a CUDA device for `spheres` and for `multihit`, or on the CPU for `spheres`? What sphere_ways.h
 // estimates stands beside what was measured. A line for each view as CSV, then how what is chosen compares with the faster of the two ways. Needs no display. Arguments: cpu or cuda, and
 // scenes; without these, the built-in ones.
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +11,7 @@
 
 #include "app/scene/scene.h"
 #include "render/base/stopwatch.h"
-#include "render/core/parallel.h"
+#include "render/core/crew.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "render/march/marcher_cuda.h"
@@ -151,7 +149,7 @@ SceneOverrides fine() {
 }
 
 void runOnHost(const std::vector<std::string>& scenes) {
-  std::printf("# %d threads\nscene,side,turn,nearer,pixels,spheres,fragments,tiles,longestWalk,footprintsMs,lbvhMs,tookFootprints\n", tbb::this_task_arena::max_concurrency());
+  std::printf("# %d threads\nscene,side,turn,nearer,pixels,spheres,fragments,tiles,longestWalk,footprintsMs,lbvhMs,tookFootprints\n", static_cast<int>(Crew::usualSize()));
   Regret regret;
   for (const uint32_t side : {256u, 512u, 1024u, 2048u})
     for (const std::string& scene : scenes) measureOnHost(scene, {}, side, regret);

@@ -101,7 +101,7 @@ void DeviceClusterTree::build(const DeviceFrameView& frame, cudaStream_t stream)
   boxes_.reserve(2 * boxes);
   const ClusterTreeView tree = view();
   gatherClusters<<<cuda::blocksFor(frame.count, kTreeThreads), kTreeThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data(),
-                                                                                  const_cast<float4*>(tree.boxes[0]));
+                                                                                          const_cast<float4*>(tree.boxes[0]));
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 1; level < tree.levels; ++level) {
     uniteBoxes<<<cuda::blocksFor(tree.boxCount[level - 1], kTreeThreads), kTreeThreads, 0, stream>>>(

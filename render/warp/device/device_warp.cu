@@ -93,7 +93,7 @@ void DeviceWarp::draw(const Camera& camera, const WarpSettings& settings, Warped
     color_.reserve(image.color.size());
     pixels.color = color_.data();
     resolve<<<cuda::blocksFor(image.color.size(), kPixelThreads), kPixelThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels,
-                                                                                     image.color.size());
+                                                                                               image.color.size());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
   end_.record(stream_);
@@ -122,7 +122,7 @@ DevicePicturePtr DeviceWarp::drawForScreen(const Camera& camera, const WarpSetti
   traceInto(pixels, camera, settings);
   const auto kernel = blends() ? compose<true> : compose<false>;
   kernel<<<cuda::blocksFor(count, kPixelThreads), kPixelThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels, count, background,
-                                                                     marks, picture->data());
+                                                                               marks, picture->data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   end_.record(stream_);
   stream_.synchronize();

@@ -147,7 +147,7 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   for (int level = 0; level < kFieldLevels; ++level) {
     const TileLevel size = tileLevel(width_, height_, level);
     fillTiles<<<cuda::blocksFor(size.count(), kFieldThreads), kFieldThreads, 0, stream>>>(level == 0 ? ofPixels_.data() : tiles_[level - 1].data(), size.partColumns,
-                                                                                size.partRows, level, size.columns, size.rows, tiles_[level].data());
+                                                                                          size.partRows, level, size.columns, size.rows, tiles_[level].data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
   light<true>(head_.camera, stream);
