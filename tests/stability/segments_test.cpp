@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "render/warp/fill.h"
@@ -330,9 +331,28 @@ TEST_P(Case62, AnEyeInASegmentSeesWhatIsLeftOfIt) {
     for (size_t i = 0; i < truth.size(); ++i)
       own.see(std::abs(static_cast<double>(image.color[i].a) - static_cast<double>(truth[i].a)) * 255.0);
   }
+  // So it is where matter begins at the eye itself, from which on rays have segments, and from elsewhere there is a picture.
+  const VolumePtr even = makeTestVolume(VoxelType::uint8, {24, 24, 24}, [](const glm::ivec3&) { return 50.0; });
+  const MarcherPtr throughFog = marcherOn(GetParam(), even, band(10.0, 100.0, 0.02f));
+  for (const int segments : {1, 4, 16}) {
+    const Camera inside = lookingFrom(glm::vec3(0.02f, 0.0f, 0.0f), glm::vec3(-3.0f, -2.0f, -9.0f), 33, 20);
+    MarchSettings settings;
+    settings.sample.segments = segments;
+    const auto marched = std::make_shared<const SampleFrame>(throughFog->march(inside, settings));
+    const Image<glm::vec4> truth = rendered(*throughFog, inside, settings);
+    for (const Between kind : {Between::nearest, Between::linear}) {
+      const WarpedImage image = drawn(GetParam(), marched, inside, kind);
+      for (size_t i = 0; i < truth.size(); ++i)
+        for (int channel = 0; channel < 4; ++channel)
+          own.see(std::abs(static_cast<double>(image.color[i][channel]) - static_cast<double>(truth[i][channel])) * 255.0);
+    }
+    const Camera beside = lookingFrom(glm::vec3(1.0f, 0.5f, 3.0f), glm::vec3(-2.0f, -2.0f, -9.0f), 16, 16);
+    for (const glm::vec4& shown : drawn(GetParam(), marched, beside, Between::linear).color)
+      own.see(std::isfinite(shown.r + shown.g + shown.b + shown.a) ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+  }
   record(
       {"technique segments, from inside one", "brute force", "of 0.002, blended 0.09", worst.value(), 1.0, GetParam()});
-  record({"technique segments, own view from inside matter: opacity", "march", "codes of 8 bits", own.value(), 2.0,
+  record({"technique segments, own view from inside matter", "march", "codes of 8 bits", own.value(), 2.0,
           GetParam()});
 }
 

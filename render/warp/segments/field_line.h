@@ -47,7 +47,7 @@ struct FieldLine {
   const glm::vec3 d(glm::dot(ray.direction, grid.right), glm::dot(ray.direction, grid.up), glm::dot(ray.direction, grid.forward));
   // In front of the near plane there is nothing to be seen, and behind an eye that is inside the volume nothing was. Not so near to the eye that rounding of where the
   // ray begins could put it behind.
-  const float leastFromEye = maxOf(grid.nearDepth > 0.0f ? grid.nearDepth * 0.5f : 1e-4f, absOf(o.z) * 0x1p-20f), leastDepth = leastFromEye - grid.nearDepth;
+  const float leastFromEye = maxOf(field.depths.leastFromEye(), absOf(o.z) * 0x1p-20f), leastDepth = leastFromEye - grid.nearDepth;
   FieldLine line;
   line.t0 = tNear;
   line.t1 = tFar;

@@ -38,7 +38,7 @@ void makePacketLines(const SegmentField& field, const RayPacket& rays, PacketLin
   const auto along = [](const F& x, const F& y, const F& z, const glm::vec3& axis) { return x * F(axis.x) + y * F(axis.y) + z * F(axis.z); };
   const F ox = along(offsetX, offsetY, offsetZ, grid.right), oy = along(offsetX, offsetY, offsetZ, grid.up), oz = along(offsetX, offsetY, offsetZ, grid.forward);
   const F dx = along(directionX, directionY, directionZ, grid.right), dy = along(directionX, directionY, directionZ, grid.up), dz = along(directionX, directionY, directionZ, grid.forward);
-  const F leastFromEye = maxOf(F(grid.nearDepth > 0.0f ? grid.nearDepth * 0.5f : 1e-4f), absOf(oz) * F(0x1p-20f)), leastDepth = leastFromEye - nearDepth;
+  const F leastFromEye = maxOf(F(field.depths.leastFromEye()), absOf(oz) * F(0x1p-20f)), leastDepth = leastFromEye - nearDepth;
   F t0 = loaded(rays.tNear), t1 = loaded(rays.tFar);
   const M hasPart = t0 < t1;
   const auto keep = [&](const F& at0, const F& growth) {

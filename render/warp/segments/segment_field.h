@@ -16,7 +16,9 @@ struct PictureDepths {
   float nearDepth = 0.0f;  ///< forward depth of the near plane
   float reference = 1.0f;  ///< forward depth whose picture depth is 0; at least nearDepth, more than 0
 
-  /// Of a forward depth behind the near plane (volume units), more than -nearDepth; grows with it.
+  /// Least forward depth from the eye that has one. Where the eye is inside of what is seen, half a step between codes (quantizationFor()): what begins at the eye begins there.
+  WARPSCOPE_HD float leastFromEye() const { return nearDepth > 0.0f ? nearDepth * 0.5f : reference * 0x1p-16f; }
+  /// Of a forward depth behind the near plane (volume units), at least leastFromEye() - nearDepth; grows with it.
   WARPSCOPE_HD float of(float behind) const { return reference * (behind + (nearDepth - reference)) / (nearDepth + behind); }
   /// How far two depths are apart, in forward depth: of the rounded numbers, so that what is thin is not wrong by their rounding. `beginBehind`, `endBehind`: what they
   /// are of().

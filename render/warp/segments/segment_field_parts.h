@@ -40,7 +40,7 @@ class FieldSegmentsOfPixel {
  public:
   /// `cosine` of the pixel's ray.
   WARPSCOPE_HD FieldSegmentsOfPixel(const FieldDepths& depths, const OpticalDepths& opticalDepths, float cosine)
-      : depths_(depths), opticalDepths_(opticalDepths), cosine_(cosine) {}
+      : depths_(depths), opticalDepths_(opticalDepths), cosine_(cosine), last_(maxOf(depths.picture.leastFromEye() - depths.picture.nearDepth, 0.0f)) {}
 
   WARPSCOPE_HD FieldSegment next(const SegmentDepths& codes, Rgba8 color) {
     const float begin = maxOf(decodeDepth(codes.begin, depths_.step), last_);
@@ -56,7 +56,7 @@ class FieldSegmentsOfPixel {
   const FieldDepths& depths_;
   const OpticalDepths& opticalDepths_;
   float cosine_;
-  float last_ = 0.0f;  // where the one before ends
+  float last_;  // where the one before ends; of the first, where there may be something at all
 };
 
 /// Of a pixel whose segments' spans these are, near to far.
