@@ -83,6 +83,21 @@ TEST_F(FillTest, GapsOfSamplesStayUnlessSomebodyWantsThemFilled) {
   }
 }
 
+TEST_F(FillTest, InTheFramesOwnViewNothingIsMissing) {
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    if (!leavesGaps(technique)) continue;
+    SCOPED_TRACE(technique.name);
+    const WarpedImage own = stage_.draw(technique.name, frame_, frame_->camera, filledBy(Fill::none));
+    ASSERT_GT(std::count(own.samples.begin(), own.samples.end(), kNoSample), 0) << "background";
+    for (const Fill fill : {Fill::pullPush, Fill::proxy}) {
+      if (fill == Fill::proxy && technique.uses.proxy) continue;  // goes on behind the ends of rays
+      const WarpedImage filled = stage_.draw(technique.name, frame_, frame_->camera, filledBy(fill));
+      EXPECT_EQ(filled.samples, own.samples) << static_cast<int>(fill);
+      EXPECT_EQ(filled.color, own.color) << static_cast<int>(fill);
+    }
+  }
+}
+
 TEST_F(FillTest, SegmentsGoOnThroughTheCopyUnlessTheyAreToldNotTo) {
   const WarpedImage meant = draw("segments", Fill::automatic), proxy = draw("segments", Fill::proxy), none = draw("segments", Fill::none);
   EXPECT_EQ(meant.samples, proxy.samples);

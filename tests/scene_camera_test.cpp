@@ -1,5 +1,6 @@
 // The scene's cameras for volumes of any place and handedness in the world. Poles, impossible views: stability/camera_test.cpp.
 // Mirrors makeCamera of app/scene/scene.h; the world's geometry is worked out anew, in double.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -121,6 +122,16 @@ TEST(SceneCamera, TheBoundingSphereJustFillsTheImageAtDistanceOne) {
     const double distance = glm::length(glm::dvec3(camera.eye));
     const double tangent = radius / std::sqrt(distance * distance - radius * radius);  // of the cone about the sphere
     EXPECT_NEAR(tangent / camera.tanHalfFovY, std::min(1.0, static_cast<double>(width) / height), 1e-5);
+  }
+}
+
+TEST(SceneCamera, WhoCannotStandSoFarAwayIsToldHowLargeTheVolumeIs) {
+  const Scene scene = blobScene(geometryOf(kDims, {1.0, 1e-6, 1.0}));
+  try {
+    makeCamera(scene, {10.0, 20.0, 1.0, {}}, 32, 32);
+    ADD_FAILURE() << "no voxel could be told from the next";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("2.47e+07 of its shortest voxel edge")) << "24 and 6 voxels of a million each";
   }
 }
 

@@ -16,6 +16,7 @@
 #include "app/scene/view_json.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
+#include "render/base/formatted.h"
 #include "render/base/nearest_name.h"
 #include "render/base/stopwatch.h"
 #include "render/core/color.h"
@@ -292,7 +293,8 @@ Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t
   // From farther away single precision could not tell one voxel from the next.
   constexpr double kFarthest = 1 << 22;
   if (distance > kFarthest)
-    throw UsageError("the camera would stand too far away: the field of view must be wider or the view's distance less");
+    throw UsageError("the camera would stand too far away from a volume that is " + formatted("%.3g", 2.0 * radius) +
+                     " of its shortest voxel edge across: the field of view must be wider, the view's distance less, or the volume's voxel spacing is wrong");
 
   // Directions only: volume space has the world's angles, its own origin and unit, and perhaps the other handedness.
   const glm::dmat3 volumeFromWorld = glm::transpose(scene.geometry().direction);

@@ -38,7 +38,7 @@ class CompletedWarp final : public Warp {
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
     own().draw(camera, settings, image, stop);
-    isCompleted_ = isCompletedBy(settings);
+    isCompleted_ = isCompletedFor(camera, settings);
     if (!isCompleted_) return;
     kept_.complete(camera, settings, image, stop);
     switch (fillOf(technique_, settings.knobs)) {
@@ -53,7 +53,7 @@ class CompletedWarp final : public Warp {
 
   DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, const PixelMarks& marks,
                                  const std::stop_token& stop) override {
-    if (isCompletedBy(settings)) return nullptr;
+    if (isCompletedFor(camera, settings)) return nullptr;
     isCompleted_ = false;
     return own().drawForScreen(camera, settings, background, marks, stop);
   }
@@ -69,8 +69,9 @@ class CompletedWarp final : public Warp {
   }
   /// Segments go on through the copy themselves.
   bool isFilledHere(Fill fill) const { return fill == Fill::pullPush || (fill == Fill::proxy && !technique_.uses.proxy); }
-  bool isCompletedBy(const WarpSettings& settings) const {
-    return frame_ && (!kept_.empty() || isFilledHere(fillOf(technique_, settings.knobs)));
+  /// In the newest frame's own view nothing is missing: what is empty there is known to be.
+  bool isCompletedFor(const Camera& camera, const WarpSettings& settings) const {
+    return frame_ && camera != frame_->camera && (!kept_.empty() || isFilledHere(fillOf(technique_, settings.knobs)));
   }
 
   void fillByProxy(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
