@@ -109,6 +109,22 @@ TEST_F(FillTest, SegmentsGoOnThroughTheCopyUnlessTheyAreToldNotTo) {
   EXPECT_EQ(stage_.draw("segments", bare, camera_, filledBy(Fill::proxy)).color, none.color) << "there is no copy";
 }
 
+TEST_F(FillTest, OfGreatestValuesTheCopyShowsWhatMeetsNoSegment) {
+  MarchSettings march = frame_->settings;
+  march.render.effects.mode = RenderMode::mip;
+  const SampleFramePtr frame = stage_.frame(stage_.camera(120, 90), march);
+  const WarpedImage none = stage_.draw("segments", frame, camera_, filledBy(Fill::none)), meant = stage_.draw("segments", frame, camera_),
+                    copy = stage_.draw("proxy", frame, camera_);
+  size_t filled = 0;
+  for (size_t i = 0; i < none.samples.size(); ++i) {
+    const bool isGap = none.samples[i] == kNoSample && copy.samples[i] == kNotASample;
+    filled += isGap ? 1 : 0;
+    ASSERT_EQ(meant.samples[i], isGap ? kFilled : none.samples[i]);
+    ASSERT_EQ(meant.color[i], isGap ? copy.color[i] : none.color[i]);
+  }
+  EXPECT_GT(filled, 0u);
+}
+
 TEST_F(FillTest, TheCopyAloneIsWhatEveryGapShows) {
   const WarpedImage copy = stage_.draw("proxy", frame_, camera_), filled = draw("spheres", Fill::proxy), none = draw("spheres", Fill::none);
   for (size_t i = 0; i < none.samples.size(); ++i) {

@@ -67,8 +67,10 @@ class CompletedWarp final : public Warp {
     if (!warp_) warp_ = make_();
     return *warp_;
   }
-  /// Segments go on through the copy themselves.
-  bool isFilledHere(Fill fill) const { return fill == Fill::pullPush || (fill == Fill::proxy && !technique_.uses.proxy); }
+  /// Segments go on through the copy themselves. Of greatest values a frame knows each ray's alone, and nothing to be empty: there pixels that meet none are gaps as others are.
+  bool isFilledHere(Fill fill) const {
+    return fill == Fill::pullPush || (fill == Fill::proxy && (!technique_.uses.proxy || (leavesGaps(technique_) && frame_->settings.render.effects.mode == RenderMode::mip)));
+  }
   /// In the newest frame's own view nothing is missing: what is empty there is known to be.
   bool isCompletedFor(const Camera& camera, const WarpSettings& settings) const {
     return frame_ && camera != frame_->camera && (!kept_.empty() || isFilledHere(fillOf(technique_, settings.knobs)));
