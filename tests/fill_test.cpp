@@ -109,20 +109,25 @@ TEST_F(FillTest, SegmentsGoOnThroughTheCopyUnlessTheyAreToldNotTo) {
   EXPECT_EQ(stage_.draw("segments", bare, camera_, filledBy(Fill::proxy)).color, none.color) << "there is no copy";
 }
 
-TEST_F(FillTest, OfGreatestValuesTheCopyShowsWhatMeetsNoSegment) {
+TEST_F(FillTest, OfGreatestValuesTheCopysIsShownWhereItIsGreater) {
   MarchSettings march = frame_->settings;
   march.render.effects.mode = RenderMode::mip;
   const SampleFramePtr frame = stage_.frame(stage_.camera(120, 90), march);
-  const WarpedImage none = stage_.draw("segments", frame, camera_, filledBy(Fill::none)), meant = stage_.draw("segments", frame, camera_),
-                    copy = stage_.draw("proxy", frame, camera_);
-  size_t filled = 0;
-  for (size_t i = 0; i < none.samples.size(); ++i) {
-    const bool isGap = none.samples[i] == kNoSample && copy.samples[i] == kNotASample;
-    filled += isGap ? 1 : 0;
-    ASSERT_EQ(meant.samples[i], isGap ? kFilled : none.samples[i]);
-    ASSERT_EQ(meant.color[i], isGap ? copy.color[i] : none.color[i]);
+  const WarpedImage copy = stage_.draw("proxy", frame, camera_);
+  for (const char* technique : {"segments", "spheres"}) {
+    const WarpedImage none = stage_.draw(technique, frame, camera_, filledBy(Fill::none)), filled = stage_.draw(technique, frame, camera_, filledBy(Fill::proxy));
+    size_t gaps = 0, exceeded = 0, kept = 0;
+    for (size_t i = 0; i < none.samples.size(); ++i) {
+      const bool isGap = none.samples[i] == kNoSample, isGreater = copy.color[i].a > (isGap ? 0.0f : none.color[i].a);
+      (isGreater ? isGap ? gaps : exceeded : kept) += isGap && !isGreater ? 0 : 1;
+      ASSERT_EQ(filled.samples[i], isGreater ? kFilled : none.samples[i]) << technique;
+      ASSERT_EQ(filled.color[i], isGreater ? copy.color[i] : none.color[i]) << technique;
+    }
+    EXPECT_GT(gaps, 0u) << technique;
+    EXPECT_GT(exceeded, 0u) << technique;
+    EXPECT_GT(kept, 0u) << technique;
+    if (technique == std::string_view("segments")) EXPECT_EQ(stage_.draw(technique, frame, camera_).color, filled.color);
   }
-  EXPECT_GT(filled, 0u);
 }
 
 TEST_F(FillTest, TheCopyAloneIsWhatEveryGapShows) {

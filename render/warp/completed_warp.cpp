@@ -67,7 +67,8 @@ class CompletedWarp final : public Warp {
     if (!warp_) warp_ = make_();
     return *warp_;
   }
-  /// Segments go on through the copy themselves. Of greatest values a frame knows each ray's alone, and nothing to be empty: there pixels that meet none are gaps as others are.
+  /// Segments go on through the copy themselves. Of greatest values a frame knows each ray's alone, and nothing to be empty: there pixels that meet none are gaps as others are,
+  /// and what the copy has may be greater than what is met.
   bool isFilledHere(Fill fill) const {
     return fill == Fill::pullPush || (fill == Fill::proxy && (!technique_.uses.proxy || (leavesGaps(technique_) && frame_->settings.render.effects.mode == RenderMode::mip)));
   }
@@ -76,11 +77,14 @@ class CompletedWarp final : public Warp {
     return frame_ && camera != frame_->camera && (!kept_.empty() || isFilledHere(fillOf(technique_, settings.knobs)));
   }
 
+  /// Of two greatest values of a ray the greater one is taken to be the more opaque one.
   void fillByProxy(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
+    const bool isOfGreatest = frame_->settings.render.effects.mode == RenderMode::mip;
     proxyFill_.drawRays(*frame_, camera, stop, [&](uint32_t x, uint32_t y, const auto& lightOf) {
-      if (image.samples(x, y) != kNoSample) return;
+      const bool isGap = image.samples(x, y) == kNoSample;
+      if (!isGap && !isOfGreatest) return;
       const glm::vec4 color = lightOf();
-      if (!(color.a > 0.0f)) return;
+      if (!(color.a > (isGap ? 0.0f : image.color(x, y).a))) return;
       image.color(x, y) = color;
       image.samples(x, y) = kFilled;
     });
