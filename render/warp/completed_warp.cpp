@@ -67,24 +67,19 @@ class CompletedWarp final : public Warp {
     if (!warp_) warp_ = make_();
     return *warp_;
   }
-  /// Segments go on through the copy themselves. Of greatest values a frame knows each ray's alone, and nothing to be empty: there pixels that meet none are gaps as others are,
-  /// and what the copy has may be greater than what is met.
-  bool isFilledHere(Fill fill) const {
-    return fill == Fill::pullPush || (fill == Fill::proxy && (!technique_.uses.proxy || (leavesGaps(technique_) && frame_->settings.render.effects.mode == RenderMode::mip)));
-  }
+  bool isFilledHere(Fill fill) const { return fill == Fill::pullPush || (fill == Fill::proxy && !goesOnThroughProxy(technique_, frame_->settings.render.effects.mode)); }
   /// In the newest frame's own view nothing is missing: what is empty there is known to be.
   bool isCompletedFor(const Camera& camera, const WarpSettings& settings) const {
     return frame_ && camera != frame_->camera && (!kept_.empty() || isFilledHere(fillOf(technique_, settings.knobs)));
   }
 
-  /// Of two greatest values of a ray the greater one is taken to be the more opaque one.
+  /// Of greatest values a frame knows each ray's alone: what the copy has may be greater than what is met. The greater of two is taken to be the more opaque one.
   void fillByProxy(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
     const bool isOfGreatest = frame_->settings.render.effects.mode == RenderMode::mip;
     proxyFill_.drawRays(*frame_, camera, stop, [&](uint32_t x, uint32_t y, const auto& lightOf) {
-      const bool isGap = image.samples(x, y) == kNoSample;
-      if (!isGap && !isOfGreatest) return;
+      if (image.samples(x, y) != kNoSample && !isOfGreatest) return;
       const glm::vec4 color = lightOf();
-      if (!(color.a > (isGap ? 0.0f : image.color(x, y).a))) return;
+      if (!(color.a > image.color(x, y).a)) return;  // 0 in gaps
       image.color(x, y) = color;
       image.samples(x, y) = kFilled;
     });

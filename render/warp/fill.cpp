@@ -41,6 +41,8 @@ Fill fillOf(const WarpDescriptor& technique, const KnobValues& knobs) {
   return technique.uses.proxy ? Fill::proxy : Fill::none;
 }
 
+bool goesOnThroughProxy(const WarpDescriptor& technique, RenderMode mode) { return technique.uses.proxy && mode != RenderMode::mip; }
+
 bool drawsProxy(const WarpDescriptor& technique, const KnobValues& knobs) {
   return leavesGaps(technique) ? fillOf(technique, knobs) == Fill::proxy : technique.uses.proxy;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "render/base/knob.h"
+#include "render/effects/mode_settings.h"
 
 namespace warpscope {
 
@@ -16,6 +17,10 @@ bool leavesGaps(const WarpDescriptor& technique);
 
 /// How gaps of that technique are filled with its knobs set so; never `automatic`.
 Fill fillOf(const WarpDescriptor& technique, const KnobValues& knobs);
+
+/// Whether its rays go on through the copy themselves where the frame knows nothing, in frames by that mode. Not where greatest values are shown: those of parts do not add up,
+/// and the whole ray's is compared instead (completed_warp.h).
+bool goesOnThroughProxy(const WarpDescriptor& technique, RenderMode mode);
 
 /// Whether its picture depends on the copy of the volume then.
 bool drawsProxy(const WarpDescriptor& technique, const KnobValues& knobs);

@@ -34,7 +34,9 @@ constinit const Knob kBetweenKnob{.key = "between",
                                   .phrase = ", {}",
                                   .naming = KnobNaming::unlessDefault};
 
-bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs) { return frame.proxy && fillOf(kSegmentsWarp, knobs) == Fill::proxy; }
+bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs) {
+  return frame.proxy && goesOnThroughProxy(kSegmentsWarp, frame.settings.render.effects.mode) && fillOf(kSegmentsWarp, knobs) == Fill::proxy;
+}
 
 Between betweenOf(const SampleFrame& frame, const Camera& camera, const KnobValues& knobs) {
   const Between wanted = knobs.choice<Between>(kBetweenKnob);

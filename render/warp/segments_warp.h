@@ -9,7 +9,7 @@ namespace warpscope {
 
 extern const Knob kBetweenKnob;
 
-/// Whether what a frame with segments does not know comes from its copy of the volume in a picture with those knobs.
+/// Whether rays through a frame with segments go on through its copy of the volume where it knows nothing, in a picture with those knobs.
 bool isFilledFromCopy(const SampleFrame& frame, const KnobValues& knobs);
 /// What lies between its rays then, for `camera`: nothing is refined that the copy does not fill, or does not show as the volume is, and nothing in the frame's own view, where each ray is a pixel's.
 Between betweenOf(const SampleFrame& frame, const Camera& camera, const KnobValues& knobs);
